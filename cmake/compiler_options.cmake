@@ -1,0 +1,17 @@
+# Warnings as errors for our own code; dependencies are SYSTEM and stay quiet.
+add_library(slamfuse_compile_options INTERFACE)
+target_compile_features(slamfuse_compile_options INTERFACE cxx_std_20)
+target_compile_options(slamfuse_compile_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                       -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
+
+set(SLAMFUSE_SANITIZE "" CACHE STRING "Sanitizers for every target, e.g. address,undefined or thread")
+if(SLAMFUSE_SANITIZE)
+  add_compile_options(-fsanitize=${SLAMFUSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${SLAMFUSE_SANITIZE})
+endif()
+
+option(SLAMFUSE_COVERAGE "Instrument for gcov" OFF)
+if(SLAMFUSE_COVERAGE)
+  add_compile_options(--coverage)
+  add_link_options(--coverage)
+endif()
