@@ -36,6 +36,9 @@ struct CameraCalibration {
   double p1 = 0.0;      ///< tangential
   double p2 = 0.0;      ///< tangential
   double k3 = 0.0;      ///< radial
+  /// Rolling shutter: time from the first row to the last [s], the image's stamp being that of the middle row. 0 =
+  /// global shutter, or unknown.
+  double readout = 0.0;
 
   /// A point in the camera frame [m] with z > 0 as a pixel. Returns nothing for points behind the camera or so far
   /// out that the radial polynomial has turned back.
