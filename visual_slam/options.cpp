@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "visual_slam/options.hpp"
+
+namespace slamfuse::visual_slam {
+
+using common::OptionVisitor;
+
+void MotionOptions::describe(OptionVisitor& visit) {
+  visit.real("distance_noise", distance_noise, {0.0, 1.0}, "m/sqrt(m)",
+             "Random error of the wheel odometry along the way, growing with the square root of the distance.");
+  visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "m/sqrt(m)", "The same across the way.");
+  visit.real("turn_noise_per_distance", turn_noise_per_distance, {0.0, 45.0}, "deg/sqrt(m)",
+             "Random error of the heading from driving.");
+  visit.real("turn_noise_per_turn", turn_noise_per_turn, {0.0, 90.0}, "deg/sqrt(360 deg)",
+             "Random error of the heading from turning.");
+  visit.flag(
+      "calibrate", calibrate,
+      "Estimate the systematic errors of the wheel odometry (scale of distance and of turn, turn per distance).");
+  visit.real("distance_scale_sigma", distance_scale_sigma, {0.0, 0.5}, "",
+             "How far the scale of the driven distance may be from 1. Only the odometry gives the map its scale, so "
+             "this hardly gets better.");
+  visit.real("turn_scale_sigma", turn_scale_sigma, {0.0, 0.5}, "", "How far the scale of the turns may be from 1.");
+  visit.real("turn_per_distance_sigma", turn_per_distance_sigma, {0.0, 20.0}, "deg/m",
+             "How far the wheel odometry may drift in heading on a straight way.");
+}
+
+void FrontEndOptions::describe(OptionVisitor& visit) {
+  visit.choice("kind", kind, {{"shi_tomasi_klt", FrontEndKind::kShiTomasiKlt}},
+               "Which features: Shi-Tomasi corners followed by pyramidal Lucas-Kanade.");
+  visit.integer("features_per_image", features_per_image, {8, 1000}, "", "Features wanted in each image.");
+  visit.integer("grid_columns", grid_columns, {1, 64}, "", "Columns of the grid that spreads features over the image.");
+  visit.integer("grid_rows", grid_rows, {1, 64}, "", "Rows of that grid.");
+  visit.real("min_corner_strength", min_corner_strength, {0.0, 1.0}, "",
+             "Smallest eigenvalue of the gradient matrix a corner needs (for gray values in 0..1).");
+  visit.real("min_spacing", min_spacing, {2.0, 200.0}, "px", "Least distance between two features of an image.");
+  visit.integer("window", window, {5, 61}, "px", "Side of the window that is followed from image to image.");
+  visit.integer("pyramid_levels", pyramid_levels, {0, 6}, "", "Levels of the image pyramid above the image itself.");
+  visit.real("max_backward_error", max_backward_error, {0.05, 20.0}, "px",
+             "A feature followed forth and back must return this near.");
+  visit.real("border", border, {0.0, 100.0}, "px", "Features this near to the image border are left alone.");
+}
+
+void RecognitionOptions::describe(OptionVisitor& visit) {
+  visit.flag("enabled", enabled, "Look for landmarks of the map that come back into view.");
+  visit.integer("candidates_per_image", candidates_per_image, {0, 1000}, "", "At most so many are looked for.");
+  visit.real("search_sigma", search_sigma, {1.0, 10.0}, "", "Search region in standard deviations of the prediction.");
+  visit.real("max_search_radius", max_search_radius, {2.0, 400.0}, "px", "Largest search region around a prediction.");
+  visit.real("min_correlation", min_correlation, {0.3, 1.0}, "",
+             "Normalised correlation a patch needs to be taken for the landmark.");
+  visit.real("max_scale_change", max_scale_change, {1.0, 4.0}, "",
+             "A landmark is looked for only from distances within this factor of the one its patch was taken at.");
+  visit.real("loop_absence", loop_absence, {0.5, 600.0}, "s",
+             "Landmarks unseen for this long close a loop when they are found again.");
+  visit.integer("loop_landmarks", loop_landmarks, {1, 1000}, "", "So many of them in one image make the event.");
+}
+
+void FilterOptions::describe(OptionVisitor& visit) {
+  visit.real("pixel_sigma", pixel_sigma, {0.05, 20.0}, "px", "Noise of a measured feature position.");
+  visit.real("initial_inverse_depth", initial_inverse_depth, {0.001, 10.0}, "1/m",
+             "Inverse depth a new landmark starts with (seed 002 section 2.3).");
+  visit.real("inverse_depth_sigma", inverse_depth_sigma, {0.001, 10.0}, "1/m", "Its standard deviation.");
+  visit.real("linearity_index", linearity_index, {0.0, 1.0}, "",
+             "A landmark becomes Cartesian when its index of linearity falls below this.");
+  visit.real("gate_probability", gate_probability, {0.5, 0.99999}, "",
+             "Share of right measurements the chi-square gate lets pass.");
+  visit.integer("iterations", iterations, {1, 10}, "", "Linearisations in an update (iterated Kalman filter).");
+}
+
+void MapOptions::describe(OptionVisitor& visit) {
+  visit.integer("max_landmarks", max_landmarks, {10, 2000}, "", "Landmarks in the state at most.");
+  visit.integer("max_keyframes", max_keyframes, {2, 2000}, "", "Past poses in the state at most.");
+  visit.real("keyframe_distance", keyframe_distance, {0.01, 10.0}, "m", "A pose is kept after driving this far...");
+  visit.real("keyframe_turn", keyframe_turn, {1.0, 180.0}, "deg", "...or turning this far.");
+  visit.integer("max_failures", max_failures, {1, 100}, "",
+                "A landmark is dropped when it failed so many times more often than it was found.");
+}
+
+void TrackingOptions::describe(OptionVisitor& visit) {
+  visit.integer("min_inliers", min_inliers, {1, 100}, "", "Accepted features an image needs to count as tracked.");
+  visit.real("uncertain_after", uncertain_after, {0.0, 60.0}, "s", "UNCERTAIN after this long without such an image.");
+  visit.real("lost_after", lost_after, {0.1, 600.0}, "s", "LOST after this long without such an image.");
+}
+
+void VisualSlamOptions::describe(OptionVisitor& visit) {
+  visit.nested("motion", motion, "How far the wheel odometry is trusted.");
+  visit.nested("front_end", front_end, "How features are found and followed.");
+  visit.nested("recognition", recognition, "How lost landmarks are found again.");
+  visit.nested("filter", filter, "The extended Kalman filter.");
+  visit.nested("map", map, "Which landmarks and poses stay in the state.");
+  visit.nested("tracking", tracking, "When the estimate is called uncertain or lost.");
+}
+
+}  // namespace slamfuse::visual_slam

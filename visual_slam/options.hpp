@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/options.hpp"
+
+namespace slamfuse::visual_slam {
+
+/// How far the wheel odometry is trusted. Standard deviations grow with the square root of the distance and of the
+/// turn, as in seed 001 section 4.1 ((0.03 m)^2 / 1 m and (3 deg)^2 / 360 deg).
+struct MotionOptions {
+  double distance_noise = 0.01;          ///< [m / sqrt(m)]
+  double lateral_noise = 0.005;          ///< [m / sqrt(m)]
+  double turn_noise_per_distance = 0.6;  ///< [deg / sqrt(m)]
+  double turn_noise_per_turn = 3.0;      ///< [deg / sqrt(360 deg)]
+  bool calibrate = true;
+  double distance_scale_sigma = 0.01;
+  double turn_scale_sigma = 0.03;
+  double turn_per_distance_sigma = 1.0;  ///< [deg / m]
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// Which front end finds features and follows them.
+enum class FrontEndKind { kShiTomasiKlt };
+
+/// How features are found and followed in the pictures.
+struct FrontEndOptions {
+  FrontEndKind kind = FrontEndKind::kShiTomasiKlt;
+  int features_per_image = 60;
+  int grid_columns = 8;
+  int grid_rows = 6;
+  double min_corner_strength = 0.0005;
+  double min_spacing = 14.0;  ///< [px]
+  int window = 17;            ///< [px]
+  int pyramid_levels = 3;
+  double max_backward_error = 0.7;  ///< [px]
+  double border = 8.0;              ///< [px]
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// How lost landmarks of the map are found again.
+struct RecognitionOptions {
+  bool enabled = true;
+  int candidates_per_image = 40;
+  double search_sigma = 3.0;
+  double max_search_radius = 60.0;  ///< [px]
+  double min_correlation = 0.80;
+  double max_scale_change = 1.7;
+  double loop_absence = 5.0;  ///< [s]
+  int loop_landmarks = 4;
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// The extended Kalman filter.
+struct FilterOptions {
+  double pixel_sigma = 1.0;            ///< [px]
+  double initial_inverse_depth = 0.4;  ///< [1/m]
+  double inverse_depth_sigma = 0.4;    ///< [1/m]
+  double linearity_index = 0.10;
+  double gate_probability = 0.99;
+  int iterations = 2;
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// Which landmarks and poses stay in the state.
+struct MapOptions {
+  int max_landmarks = 260;
+  int max_keyframes = 120;
+  double keyframe_distance = 0.5;  ///< [m]
+  double keyframe_turn = 30.0;     ///< [deg]
+  int max_failures = 3;
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// When the estimate is called uncertain or lost.
+struct TrackingOptions {
+  int min_inliers = 8;
+  double uncertain_after = 0.5;  ///< [s]
+  double lost_after = 3.0;       ///< [s]
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// Options of VisualSlam: the `visual:` section of the configuration.
+struct VisualSlamOptions {
+  MotionOptions motion;
+  FrontEndOptions front_end;
+  RecognitionOptions recognition;
+  FilterOptions filter;
+  MapOptions map;
+  TrackingOptions tracking;
+
+  void describe(common::OptionVisitor& visit);
+};
+
+}  // namespace slamfuse::visual_slam

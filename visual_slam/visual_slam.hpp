@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/calibration.hpp"
+#include "common/error.hpp"
+#include "common/landmark.hpp"
+#include "common/slam_module.hpp"
+#include "visual_slam/options.hpp"
+
+namespace slamfuse::visual_slam {
+
+/// Monocular and multi-camera EKF SLAM (seeds 000 to 002): wheel odometry predicts the planar pose of base_link, the
+/// features of any number of cameras, each with its own stamps, rate, mounting and lens, correct it and the landmarks.
+///
+/// The map frame is base_link at the first image. Each accepted image makes one estimate, at the image's own stamp.
+class VisualSlam : public common::SlamModule {
+ public:
+  /// `cameras` are the ones to listen to, by sensor name. `threads` only speeds up the work, the result does not depend
+  /// on it. Errors (kInvalidInput): no camera, a calibration without size or focal length.
+  static common::Result<std::unique_ptr<VisualSlam>> create(
+      const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
+      std::uint64_t seed, int threads);
+  ~VisualSlam() override;
+
+  common::PoseSource source() const override { return common::PoseSource::kVisual; }
+  /// Wheel odometry, and images of the cameras it was made for.
+  bool wants(const common::SensorMessage& message) const override;
+  /// Rejects images of the wrong size, of an unknown camera, with a stamp that repeats or steps back for that camera,
+  /// older than the newest estimate, and images at whose stamp no wheel odometry is known (the planar filter needs it).
+  common::ProcessResult process(const common::SensorMessage& message) override;
+  /// SetPose replaces the pose and keeps the map; Relocalise searches the map by the next images; Reset forgets the
+  /// map, starts the next epoch at the origin.
+  void execute(const common::Command& command) override;
+  /// The path corrected by everything seen since: keyframe poses stay in the filter's state and are smoothed by its
+  /// cross-covariances; poses between two keyframes take the correction interpolated between them.
+  common::Trajectory2 final_trajectory() const override;
+
+  /// The landmarks of the current epoch whose depth is known, in the visual map's frame.
+  std::vector<common::Landmark> landmarks() const;
+
+ private:
+  class Implementation;
+  explicit VisualSlam(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace slamfuse::visual_slam
