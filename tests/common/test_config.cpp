@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(
                 std::string("\x7f"
                             "ELF\0\1\2\xff\n",
                             9),
-                "robot.yaml:1:1"}),
+                "robot.yaml:1:"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(ReadOptions, TellsAllMistakesAtOnce) {
