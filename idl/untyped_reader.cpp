@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "idl/untyped_reader.hpp"
+
+#include <utility>
+
+#include <dds/dds.h>
+
+#include "idl/ros_name.hpp"
+
+namespace slamfuse::idl {
+
+common::Result<UntypedReader> UntypedReader::create(const Participant& participant, const dds_topic_descriptor& type,
+                                                    const std::string& topic, QosProfile profile) {
+  const std::string name = dds_topic_name(topic);
+  auto topic_entity = own(dds_create_topic(participant.handle(), &type, name.c_str(), nullptr, nullptr),
+                          "create topic " + name + " of type " + type.m_typename);
+  if (!topic_entity) return tl::unexpected(topic_entity.error());
+  auto reader = own(dds_create_reader(participant.handle(), topic_entity->handle(), make_qos(profile).get(), nullptr),
+                    "create a reader of " + name);
+  if (!reader) return tl::unexpected(reader.error());
+  auto condition = own(dds_create_readcondition(reader->handle(), DDS_ANY_STATE), "watch for messages on " + name);
+  if (!condition) return tl::unexpected(condition.error());
+  auto waitset = own(dds_create_waitset(participant.handle()), "wait for messages on " + name);
+  if (!waitset) return tl::unexpected(waitset.error());
+  const dds_return_t code = dds_waitset_attach(waitset->handle(), condition->handle(), 0);
+  if (code != DDS_RETCODE_OK) return dds_failed("wait for messages on " + name, code);
+  return UntypedReader(participant, *std::move(topic_entity), *std::move(reader), *std::move(condition),
+                       *std::move(waitset), name);
+}
+
+UntypedReader::UntypedReader(Participant participant, Entity topic, Entity reader, Entity condition, Entity waitset,
+                             std::string name)
+    : participant_(std::move(participant)),
+      topic_(std::move(topic)),
+      reader_(std::move(reader)),
+      condition_(std::move(condition)),
+      waitset_(std::move(waitset)),
+      name_(std::move(name)) {}
+
+common::Result<bool> UntypedReader::take(void* sample, std::chrono::nanoseconds timeout) {
+  const dds_time_t deadline = dds_time() + timeout.count();
+  while (true) {
+    auto taken = take_available(sample);
+    if (!taken || *taken) return taken;
+    if (dds_time() >= deadline) return false;
+    dds_attach_t triggered = 0;
+    const dds_return_t code = dds_waitset_wait_until(waitset_.handle(), &triggered, 1, deadline);
+    if (code < 0) return dds_failed("wait for messages on " + name_, code);
+  }
+}
+
+common::Result<bool> UntypedReader::take_available(void* sample) {
+  while (true) {
+    dds_sample_info_t info{};
+    const dds_return_t count = dds_take(reader_.handle(), &sample, &info, 1, 1);
+    if (count < 0) return dds_failed("take a message from " + name_, count);
+    if (count == 0) return false;
+    if (info.valid_data) return true;  // otherwise only news of a writer that ended
+  }
+}
+
+int UntypedReader::matched_writers() const {
+  dds_subscription_matched_status_t status{};
+  if (dds_get_subscription_matched_status(reader_.handle(), &status) != DDS_RETCODE_OK) return 0;
+  return static_cast<int>(status.current_count);
+}
+
+}  // namespace slamfuse::idl

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "common/error.hpp"
+#include "idl/participant.hpp"
+#include "idl/qos.hpp"
+
+struct dds_topic_descriptor;
+
+namespace slamfuse::idl {
+
+/// What Reader<T> does without knowing T.
+class UntypedReader {
+ public:
+  static common::Result<UntypedReader> create(const Participant& participant, const dds_topic_descriptor& type,
+                                              const std::string& topic, QosProfile profile);
+  /// Fills `sample` (zeroed memory of the type) with the next message; false when there is none within `timeout`.
+  common::Result<bool> take(void* sample, std::chrono::nanoseconds timeout);
+  int matched_writers() const;
+
+ private:
+  UntypedReader(Participant participant, Entity topic, Entity reader, Entity condition, Entity waitset,
+                std::string name);
+  common::Result<bool> take_available(void* sample);
+  Participant participant_;
+  Entity topic_;
+  Entity reader_;
+  Entity condition_;
+  Entity waitset_;
+  std::string name_;
+};
+
+}  // namespace slamfuse::idl
