@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fusion/alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
+#include "common/angle.hpp"
+#include "fusion/heldout_split.hpp"
+#include "fusion/robust_fit.hpp"
+#include "fusion/seed004.hpp"
+
+namespace slamfuse::fusion {
+namespace {
+
+using common::angle_difference;
+using common::to_degrees;
+using common::to_radians;
+
+/// A ratio of losses larger than this tells nothing more; keeps infinities out of metrics.json.
+constexpr double kLargestRatio = 1e6;
+
+/// One method's map, before any verdict.
+struct MethodFit {
+  MappingMatrix mapping;
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  double runner_up_ratio = 0.0;
+  bool essential_applied = false;
+  std::string essential_report;
+};
+
+double ratio_of(double loss, double best) { return loss < kLargestRatio * best ? loss / best : kLargestRatio; }
+
+std::optional<MethodFit> fit(const std::vector<PosePair>& pairs, AlignmentMethod method,
+                             const AlignmentOptions& options) {
+  const double separation = to_radians(options.runner_up_separation);
+  MethodFit result;
+  if (method == AlignmentMethod::kSeed004) {
+    const auto seed = fit_seed004(pairs, options.seed004, options.heldout_block, separation);
+    if (!seed) return std::nullopt;
+    result.mapping = seed->mapping;
+    result.runner_up_ratio = ratio_of(seed->runner_up_loss, seed->loss);
+    result.essential_applied = seed->essential_applied;
+    result.essential_report = seed->essential_report;
+    return result;
+  }
+  const RobustModel model = method == AlignmentMethod::kAffine ? RobustModel::kAffine : RobustModel::kSimilarity;
+  const auto robust = fit_robust(pairs, model, options.robust, separation);
+  if (!robust) return std::nullopt;
+  result.mapping = to_mapping_matrix(robust->map);
+  result.covariance = robust->covariance;
+  result.runner_up_ratio = ratio_of(robust->runner_up_loss, robust->loss);
+  return result;
+}
+
+/// Which pairs count in every method's errors: those the most flexible robust fit keeps.
+std::vector<bool> trusted_pairs(const std::vector<PosePair>& pairs, const AlignmentOptions& options) {
+  const double separation = to_radians(options.runner_up_separation);
+  for (const RobustModel model : {RobustModel::kAffine, RobustModel::kSimilarity}) {
+    if (const auto robust = fit_robust(pairs, model, options.robust, separation)) return robust->inliers;
+  }
+  return std::vector<bool>(pairs.size(), true);
+}
+
+template <class Keep>
+double rmse_of(const std::vector<PosePair>& pairs, const PlanarAffine& map, Keep keep) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!keep(i)) continue;
+    sum += (pairs[i].laser.translation() - map * pairs[i].visual.translation()).squaredNorm();
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+}
+
+double laser_path(const std::vector<PosePair>& pairs) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    length += (pairs[i].laser.translation() - pairs[i - 1].laser.translation()).norm();
+  }
+  return length;
+}
+
+/// Standard deviations [m] of the trusted laser positions along and across their main direction.
+struct Spread {
+  double wide = 0.0;
+  double narrow = 0.0;
+};
+
+Spread spread_of(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double count = 0.0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!trusted[i]) continue;
+    mean += pairs[i].laser.translation();
+    count += 1.0;
+  }
+  if (count < 2.0) return {};
+  mean /= count;
+  Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!trusted[i]) continue;
+    const Eigen::Vector2d offset = pairs[i].laser.translation() - mean;
+    moments += offset * offset.transpose() / count;
+  }
+  const Eigen::Vector2d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(moments).eigenvalues();
+  return {std::sqrt(std::max(variances[1], 0.0)), std::sqrt(std::max(variances[0], 0.0))};
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The turn from visual to laser headings: circular mean, then the median of what remains.
+void measure_headings(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted, Alignment& alignment) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  std::vector<double> turns;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!trusted[i]) continue;
+    turns.push_back(angle_difference(pairs[i].laser.theta, pairs[i].visual.theta));
+    sum += Eigen::Vector2d(std::cos(turns.back()), std::sin(turns.back()));
+  }
+  if (turns.empty()) return;
+  const double mean = std::atan2(sum.y(), sum.x());
+  for (double& turn : turns) turn = angle_difference(turn, mean);
+  const double offset = median(turns);
+  double square = 0.0;
+  for (const double turn : turns) square += (turn - offset) * (turn - offset);
+  alignment.heading_offset = common::normalize_angle(mean + offset);
+  alignment.heading_rmse = std::sqrt(square / static_cast<double>(turns.size()));
+}
+
+Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted, AlignmentMethod method,
+                   const AlignmentOptions& options) {
+  Alignment alignment;
+  alignment.method = method;
+  alignment.pairs = pairs.size();
+  alignment.inliers = static_cast<std::size_t>(std::count(trusted.begin(), trusted.end(), true));
+  const auto whole = fit(pairs, method, options);
+  if (!whole || !whole->mapping.planar().is_finite()) {
+    alignment.reason = fmt::format("method {} finds no map through the {} pairs", to_string(method), pairs.size());
+    alignment.heldout_rmse = std::numeric_limits<double>::infinity();
+    return alignment;
+  }
+  alignment.mapping = whole->mapping;
+  alignment.map = whole->mapping.planar();
+  alignment.covariance = whole->covariance;
+  alignment.runner_up_ratio = whole->runner_up_ratio;
+  alignment.essential_applied = whole->essential_applied;
+  alignment.essential_report = whole->essential_report;
+  const AffineParts parts = take_apart(alignment.map);
+  alignment.scale = parts.scale;
+  alignment.scale_along_laser_axes = parts.scale_along_target_axes;
+  alignment.mean_scale = parts.mean_scale;
+  alignment.rotation_deg = to_degrees(parts.rotation);
+  measure_headings(pairs, trusted, alignment);
+
+  alignment.rmse = rmse_of(pairs, alignment.map, [&](std::size_t i) { return trusted[i]; });
+  alignment.rmse_all = rmse_of(pairs, alignment.map, [](std::size_t) { return true; });
+  const HeldoutSplit split(pairs.size(), options.heldout_block);
+  const auto training = fit(split.training(pairs), method, options);
+  alignment.heldout_rmse = training ? rmse_of(pairs, training->mapping.planar(),
+                                              [&](std::size_t i) { return trusted[i] && split.held_out(i); })
+                                    : std::numeric_limits<double>::infinity();
+  return alignment;
+}
+
+/// Why the alignment must not be used; empty when nothing speaks against it.
+std::string objection(const Alignment& alignment, const Spread& spread, const AlignmentOptions& options) {
+  if (!alignment.reason.empty()) return alignment.reason;
+  if (alignment.straightness_ratio < options.min_straightness_ratio) {
+    return fmt::format(
+        "the path is too straight to fix the angle and both scales: its spread is {:.3f} m across and "
+        "{:.3f} m along, ratio {:.4f}, needed {:.4f}",
+        spread.narrow, spread.wide, alignment.straightness_ratio, options.min_straightness_ratio);
+  }
+  if (alignment.runner_up_ratio < options.min_runner_up_ratio) {
+    return fmt::format(
+        "the angle is ambiguous: another angle, at least {:.0f} deg away, fits almost as well (ratio of "
+        "the losses {:.3f}, needed {:.3f})",
+        options.runner_up_separation, alignment.runner_up_ratio, options.min_runner_up_ratio);
+  }
+  const double largest_error = options.max_relative_error * std::hypot(spread.wide, spread.narrow);
+  if (!(alignment.heldout_rmse <= largest_error)) {
+    return fmt::format(
+        "the trajectories do not fit each other: held-out pairs are off by {:.3f} m rmse, allowed are "
+        "{:.3f} m",
+        alignment.heldout_rmse, largest_error);
+  }
+  return {};
+}
+
+Alignment refuse(Alignment alignment, std::string reason) {
+  alignment.accepted = false;
+  alignment.reason = std::move(reason);
+  return alignment;
+}
+
+bool all_finite(const common::Trajectory2& trajectory) {
+  return std::all_of(trajectory.begin(), trajectory.end(), [](const auto& pose) { return pose.pose.is_finite(); });
+}
+
+}  // namespace
+
+common::Pose2 Alignment::to_laser(const common::Pose2& visual) const {
+  const Eigen::Vector2d position = map * visual.translation();
+  return {position.x(), position.y(), common::normalize_angle(visual.theta + heading_offset)};
+}
+
+common::Pose2 Alignment::to_visual(const common::Pose2& laser) const {
+  const Eigen::Vector2d position = map.inverse() * laser.translation();
+  return {position.x(), position.y(), common::normalize_angle(laser.theta - heading_offset)};
+}
+
+Alignment align_trajectories(const common::Trajectory2& laser, const common::Trajectory2& visual,
+                             const AlignmentOptions& options) {
+  Alignment nothing;
+  nothing.method = options.method;
+  if (!all_finite(laser)) return refuse(nothing, "the laser trajectory has a pose that is not finite");
+  if (!all_finite(visual)) return refuse(nothing, "the visual trajectory has a pose that is not finite");
+
+  const std::vector<PosePair> pairs = pair_trajectories(laser, visual, options.pairing);
+  nothing.pairs = pairs.size();
+  if (pairs.empty()) return refuse(nothing, "the trajectories have no poses at common times");
+  if (pairs.size() < static_cast<std::size_t>(options.min_pairs)) {
+    return refuse(nothing, fmt::format("too few pairs: {}, needed {}", pairs.size(), options.min_pairs));
+  }
+  const double path = laser_path(pairs);
+  if (path < options.min_path) {
+    return refuse(nothing, fmt::format("the path is too short: {:.3f} m, needed {:.3f} m", path, options.min_path));
+  }
+
+  const std::vector<bool> trusted = trusted_pairs(pairs, options);
+  const Spread spread = spread_of(pairs, trusted);
+  std::vector<AlignmentMethod> methods = {options.method};
+  if (options.method == AlignmentMethod::kAuto) {
+    methods = {AlignmentMethod::kSimilarity, AlignmentMethod::kAffine, AlignmentMethod::kSeed004};
+  }
+  std::optional<Alignment> best;
+  for (const AlignmentMethod method : methods) {
+    Alignment candidate = evaluate(pairs, trusted, method, options);
+    candidate.straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
+    if (!best || candidate.heldout_rmse < best->heldout_rmse) best = std::move(candidate);
+  }
+  const std::string against = objection(*best, spread, options);
+  if (!against.empty()) return refuse(*best, against);
+  best->accepted = true;
+  best->reason = fmt::format("{} of {} pairs agree, {:.3f} m rmse on held-out pairs", best->inliers, best->pairs,
+                             best->heldout_rmse);
+  return *best;
+}
+
+common::Trajectory2 to_laser_frame(const common::Trajectory2& visual, const Alignment& alignment) {
+  common::Trajectory2 aligned;
+  aligned.reserve(visual.size());
+  for (const common::StampedPose2& pose : visual) aligned.push_back({pose.stamp, alignment.to_laser(pose.pose)});
+  return aligned;
+}
+
+}  // namespace slamfuse::fusion

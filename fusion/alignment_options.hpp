@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "common/options.hpp"
+#include "fusion/robust_fit.hpp"
+#include "fusion/seed004.hpp"
+#include "fusion/trajectory_pairing.hpp"
+
+namespace slamfuse::fusion {
+
+/// How the map between the two trajectories is found.
+enum class AlignmentMethod {
+  kSeed004,     ///< the paper's image-like pipeline
+  kSimilarity,  ///< robust rotation, shift and one scale
+  kAffine,      ///< robust affine map: a scale per axis
+  kAuto,        ///< whichever of the three has the smallest held-out error
+};
+
+/// The word for a method in configuration, metrics.json and map.yaml.
+std::string to_string(AlignmentMethod method);
+
+/// When an alignment is trusted, and how it is made.
+struct AlignmentOptions {
+  AlignmentMethod method = AlignmentMethod::kSimilarity;
+  int min_pairs = 20;
+  double min_path = 1.0;
+  double min_straightness_ratio = 0.05;
+  double min_runner_up_ratio = 1.3;
+  double runner_up_separation = 20.0;
+  double max_relative_error = 0.2;
+  int heldout_block = 10;
+  PairingOptions pairing;
+  RobustFitOptions robust;
+  Seed004Options seed004;
+
+  void describe(common::OptionVisitor& visit) {
+    visit.choice("method", method,
+                 {{"similarity", AlignmentMethod::kSimilarity},
+                  {"affine", AlignmentMethod::kAffine},
+                  {"seed004", AlignmentMethod::kSeed004},
+                  {"auto", AlignmentMethod::kAuto}},
+                 "How the map between the frames is found; auto takes the smallest held-out error.");
+    visit.integer("min_pairs", min_pairs, {6, 100000}, "", "Fewer pairs are refused.");
+    visit.real("min_path", min_path, {0.0, 1000.0}, "m", "A shorter laser path within the pairs is refused.");
+    visit.real("min_straightness_ratio", min_straightness_ratio, {0.0, 1.0}, "",
+               "Narrow over wide standard deviation of the positions below which a path is refused as straight.");
+    visit.real("min_runner_up_ratio", min_runner_up_ratio, {1.0, 100.0}, "",
+               "Loss of the second-best, well-separated angle over the best; below it the angle is ambiguous.");
+    visit.real("runner_up_separation", runner_up_separation, {1.0, 90.0}, "deg",
+               "How far another angle must be from the best one to count as the runner-up.");
+    visit.real("max_relative_error", max_relative_error, {0.001, 1.0}, "",
+               "Held-out error over the standard deviation of the laser's positions above which the fit is refused.");
+    visit.integer("heldout_block", heldout_block, {1, 10000}, "pairs",
+                  "Every fourth block of this many neighbouring pairs is held out of a fit to test it.");
+    visit.nested("pairing", pairing, "Pairing of the poses by time.");
+    visit.nested("robust", robust, "Robust direct estimators (similarity, affine).");
+    visit.nested("seed004", seed004, "The paper's pipeline.");
+  }
+};
+
+}  // namespace slamfuse::fusion
