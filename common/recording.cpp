@@ -2,22 +2,57 @@
 #include "common/recording.hpp"
 
 #include <string>
+#include <string_view>
 #include <system_error>
 
+#include "common/byte_source.hpp"
+#include "common/carmen_recording.hpp"
 #include "common/euroc_recording.hpp"
 
 namespace slamfuse::common {
+namespace {
+
+constexpr const char* kKnownFormats =
+    "an EuRoC/ASL folder, a folder of images with sensor.yaml, a CARMEN log, an MRPT rawlog";
+
+/// The first bytes of a file, decompressed: enough to get past the comments and parameters at the head of a log.
+Result<std::string> beginning_of(const std::filesystem::path& path) {
+  Result<std::unique_ptr<ByteSource>> source = open_byte_source(path);
+  if (!source) return tl::unexpected(source.error());
+  constexpr std::size_t kEnough = 1U << 18;
+  std::string beginning(kEnough, '\0');
+  std::size_t size = 0;
+  while (size < kEnough) {
+    const Result<std::size_t> count = (*source)->read(std::span(beginning).subspan(size));
+    if (!count && size == 0) return tl::unexpected(count.error());
+    if (!count || *count == 0) break;
+    size += *count;
+  }
+  beginning.resize(size);
+  return beginning;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& path) {
   std::error_code code;
-  if (!std::filesystem::exists(path, code)) return invalid_input(path.string() + ": no such file or folder");
-  if (is_euroc_folder(path)) return open_euroc_recording(path);
-  return invalid_input(path.string() + ": not a known recording");
+  const std::filesystem::file_status status = std::filesystem::status(path, code);
+  if (!std::filesystem::exists(status)) return invalid_input(path.string() + ": no such file or folder");
+  if (std::filesystem::is_directory(status)) {
+    if (is_euroc_folder(path)) return open_euroc_recording(path);
+    return invalid_input(path.string() + ": not a known recording (known: " + kKnownFormats + ")");
+  }
+
+  const Result<std::string> beginning = beginning_of(path);
+  if (!beginning) return tl::unexpected(beginning.error());
+  if (beginning->empty()) return invalid_input(path.string() + ": empty file");
+  if (is_carmen_log(*beginning)) return open_carmen_recording(path);
+  return invalid_input(path.string() + ": not a known recording (known: " + kKnownFormats + ")");
 }
 
 Result<Trajectory2> read_ground_truth(const std::filesystem::path& path) {
   if (is_euroc_folder(path)) return read_euroc_ground_truth(path);
-  return Trajectory2{};
+  return read_carmen_reference(path);
 }
 
 }  // namespace slamfuse::common
