@@ -26,7 +26,8 @@ class SlamModule {
   /// Which source its estimates carry.
   virtual PoseSource source() const = 0;
 
-  /// Whether it has a use for messages of this kind and sensor; others need not be delivered.
+  /// Whether it has a use for messages of this kind and sensor; others need not be delivered. May be
+  /// called by another thread while process() runs: it must not depend on what process() changes.
   virtual bool wants(const SensorMessage& message) const = 0;
 
   /// Takes the next message, in arrival order. Never throws; a bad message is rejected with a reason and the run goes
