@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/checksum.hpp"
+
+#include <zlib.h>
+
+namespace slamfuse::service {
+
+std::uint32_t crc32_of(std::string_view bytes) {
+  const auto* data = reinterpret_cast<const Bytef*>(bytes.data());
+  return static_cast<std::uint32_t>(::crc32_z(0, data, bytes.size()));
+}
+
+}  // namespace slamfuse::service

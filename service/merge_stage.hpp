@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "service/command_path.hpp"
+#include "service/fusion_stage.hpp"
+#include "service/merge_window.hpp"
+#include "service/module_counters.hpp"
+#include "service/pipeline_observer.hpp"
+#include "service/rejection_log.hpp"
+
+namespace slamfuse::service {
+
+/// The end of the pipeline: hands merged steps to the fusion, the fusion's commands to the command path, and everything
+/// to the observer. Used from one thread at a time.
+class MergeStage {
+ public:
+  MergeStage(FusionStage& fusion, CommandPath& commands, PipelineObserver& observer)
+      : fusion_(fusion), commands_(commands), observer_(observer) {}
+
+  /// The next step in index order.
+  void handle(const MergedStep& step);
+  /// After the last step: tells the summary of the rejected messages.
+  void finish();
+
+  /// Of the fusion.
+  const ModuleCounters& counters() const { return counters_; }
+
+ private:
+  template <class Input>
+  void fuse(const MergedStep& step, const Input& input);
+  void tell_rejected(const common::RejectedMessage& message);
+
+  FusionStage& fusion_;
+  CommandPath& commands_;
+  PipelineObserver& observer_;
+  RejectionLog rejections_;
+  ModuleCounters counters_;
+};
+
+}  // namespace slamfuse::service

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+
+#include "common/occupancy_grid.hpp"
+#include "common/pose2.hpp"
+#include "common/pose_estimate.hpp"
+#include "common/recording.hpp"
+#include "common/sensor_message.hpp"
+
+namespace slamfuse::service {
+
+/// The place of an input in arrival order, from 0. Everything that must not depend on thread timing refers to it.
+using SequenceIndex = std::int64_t;
+
+/// An input on its way to the modules.
+struct NumberedMessage {
+  SequenceIndex index = 0;
+  common::SensorMessage message;
+  std::optional<common::Pose2> T_odom_base;  ///< of the newest wheel odometry up to this input
+};
+
+/// What a module made of one input.
+struct ModuleOutput {
+  std::optional<common::PoseEstimate> estimate;
+  std::optional<common::RejectedMessage> rejected;
+  std::shared_ptr<const common::OccupancyGrid> map;  ///< a picture of its map, now and then
+};
+
+/// One input and all that the modules made of it: what the fusion handles in one go.
+struct MergedStep {
+  SequenceIndex index = 0;
+  common::Nanoseconds stamp = 0;
+  std::optional<common::Pose2> T_odom_base;  ///< of the newest wheel odometry up to this input
+  std::optional<common::WheelOdometry> odometry;
+  std::optional<common::RejectedMessage> rejected;     ///< by the reader
+  std::map<common::PoseSource, ModuleOutput> outputs;  ///< in the order of PoseSource
+};
+
+/// Puts the outputs of modules that run at their own pace back in order (DESIGN section 3).
+///
+/// The reader opens a slot for every input, naming the modules that get it; each module completes its part; the fusion
+/// takes slots in index order, each as soon as no module owes anything for it. So the fusion sees outputs sorted by
+/// (index, source) however the threads ran. The number of open slots is bounded: the reader waits.
+class MergeWindow {
+ public:
+  explicit MergeWindow(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Reader: adds a step (indices must increase by one) that `owed_by` still have to complete. Waits for room. Returns
+  /// false after abort().
+  bool open(MergedStep step, std::set<common::PoseSource> owed_by);
+  /// Module: its part of step `index` is done.
+  void complete(SequenceIndex index, common::PoseSource source, ModuleOutput output);
+  /// Fusion: the next step, waiting until it is complete. Empty after close() when all were taken, or after abort().
+  std::optional<MergedStep> take();
+
+  /// Reader: no more steps will be opened.
+  void close();
+  /// Wakes everybody up and forgets what is inside.
+  void abort();
+
+ private:
+  struct Slot {
+    MergedStep step;
+    std::set<common::PoseSource> owed_by;
+  };
+
+  const std::size_t capacity_;
+  std::mutex mutex_;
+  std::condition_variable room_;
+  std::condition_variable ready_;
+  std::deque<Slot> slots_;  // indices first_index_, first_index_ + 1, ...
+  SequenceIndex first_index_ = 0;
+  bool closed_ = false;
+  bool aborted_ = false;
+};
+
+}  // namespace slamfuse::service

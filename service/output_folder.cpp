@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/output_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "service/durable_file.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Everything the commands write: what a new run may remove of an older one's.
+constexpr std::array kResultNames{
+    "odometry.tum",     "laser.tum",          "visual.tum",      "fused.tum", "laser_final.tum",
+    "visual_final.tum", "fused_final.tum",    "status.csv",      "map",       "metrics.json",
+    "report.html",      "visual_aligned.tum", "trajectories.svg"};
+
+tl::unexpected<common::Error> not_writable(const fs::path& path, const std::error_code& error) {
+  return common::invalid_input(
+      fmt::format("output folder {} cannot be written to: {}", path.string(), error.message()));
+}
+
+fs::path outermost_missing(fs::path path) {
+  std::error_code error;
+  fs::path missing;
+  while (!path.empty() && !fs::exists(path, error)) {
+    missing = path;
+    if (path == path.parent_path()) break;
+    path = path.parent_path();
+  }
+  return missing;
+}
+
+}  // namespace
+
+common::Result<std::unique_ptr<OutputFolder>> OutputFolder::create(const fs::path& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error).lexically_normal();
+  if (error) return not_writable(path, error);
+  const fs::path first_created = outermost_missing(absolute);
+  fs::create_directories(absolute, error);
+  if (error) return not_writable(path, error);
+  std::unique_ptr<OutputFolder> folder(new OutputFolder(absolute, first_created));
+  fs::create_directory(folder->staging_, error);
+  if (error) return not_writable(path, error);
+  return folder;
+}
+
+OutputFolder::OutputFolder(fs::path path, fs::path first_created)
+    : path_(std::move(path)),
+      first_created_(std::move(first_created)),
+      staging_(path_ / fmt::format(".slamfuse-{}", ::getpid())) {}
+
+OutputFolder::~OutputFolder() {
+  std::error_code error;
+  fs::remove_all(staging_, error);
+  if (first_created_.empty()) return;
+  for (fs::path created = path_; fs::remove(created, error) && created != first_created_;) {
+    created = created.parent_path();
+  }
+}
+
+common::Result<void> OutputFolder::write(const std::string& name, std::string_view content) {
+  return write_durably(staging_ / name, content);
+}
+
+common::Result<void> OutputFolder::publish() {
+  std::error_code error;
+  std::vector<std::string> made;
+  for (const auto& entry : fs::directory_iterator(staging_, error)) made.push_back(entry.path().filename().string());
+  if (error) return common::failed(fmt::format("cannot read {}: {}", staging_.string(), error.message()));
+  std::sort(made.begin(), made.end());
+
+  for (const std::string name : kResultNames) {
+    if (std::find(made.begin(), made.end(), name) == made.end()) fs::remove_all(path_ / name, error);
+  }
+  for (const auto& name : made) {
+    if (auto moved = replace_path(staging_ / name, path_ / name); !moved) return moved;
+  }
+  return sync_folder(path_);
+}
+
+}  // namespace slamfuse::service

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service/configuration.hpp"
+
+namespace slamfuse::service {
+
+/// What `slamfuse run` was asked for.
+struct RunRequest {
+  std::filesystem::path recording;
+  std::filesystem::path out;
+  Configuration configuration;
+  std::optional<std::filesystem::path> map;     ///< a map bundle to continue in
+  std::vector<std::string> modules;             ///< "laser", "visual"; empty: all that the recording has sensors for
+  std::vector<std::string> cameras;             ///< sensor names; empty: all
+  std::optional<double> from;                   ///< [s] from the recording's start
+  std::optional<double> to;                     ///< [s] from the recording's start
+  std::map<std::string, double> arrival_delay;  ///< [s] by sensor name
+  std::map<std::string, double> stamp_offset;   ///< [s] by sensor name
+  int threads = 1;
+  std::uint64_t seed = 1;
+  bool dds = false;
+  double rate = 0.0;  ///< recording seconds in a second of wall time; 0: as fast as possible
+};
+
+}  // namespace slamfuse::service

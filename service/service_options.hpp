@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/options.hpp"
+
+namespace slamfuse::service {
+
+/// How the program connects the modules: the YAML section `service:`.
+struct ServiceOptions {
+  int command_delay = 16;
+  int queue_capacity = 64;
+  double map_interval = 2.0;
+
+  void describe(common::OptionVisitor& visit) {
+    visit.integer("command_delay", command_delay, {1, 1000}, "messages",
+                  "A command of the fusion takes effect this many messages after what caused it, always; larger lets "
+                  "the modules run further ahead of each other.");
+    visit.integer("queue_capacity", queue_capacity, {1, 10000}, "messages",
+                  "Messages that may wait for a module; bounds the memory.");
+    visit.real("map_interval", map_interval, {0.1, 3600.0}, "s", "Time between two publications of the map.");
+  }
+};
+
+}  // namespace slamfuse::service

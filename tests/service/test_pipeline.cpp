@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/pipeline.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "service/fake_recording.hpp"
+#include "service/fake_stages.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+using namespace std::chrono_literals;
+using common::PoseSource;
+
+const std::atomic<bool> kNoStop{false};
+
+struct RunResult {
+  common::Result<PipelineOutcome> outcome;
+  Transcript told;
+  std::vector<std::string> laser_calls;
+  std::vector<std::string> visual_calls;
+};
+
+RunResult run(FakeModule& laser, FakeModule& visual, const PipelineOptions& options,
+              std::vector<common::RecordingItem> items, int command_every = 0,
+              const std::atomic<bool>& stop = kNoStop) {
+  FakeRecording recording(std::move(items));
+  FakeFusion fusion(command_every);
+  RunResult result;
+  result.outcome = run_pipeline({&recording, {{&laser}, {&visual}}, &fusion, &result.told}, options, stop);
+  result.laser_calls = laser.calls;
+  result.visual_calls = visual.calls;
+  return result;
+}
+
+RunResult run_with_delays(int threads, unsigned seed, int command_every) {
+  FakeModule laser(PoseSource::kLaser, random_delay(seed, 300us));
+  FakeModule visual(PoseSource::kVisual, random_delay(seed + 1, 600us));
+  PipelineOptions options;
+  options.threads = threads;
+  options.queue_capacity = 8;
+  options.command_delay = 5;
+  return run(laser, visual, options, rounds(100), command_every);
+}
+
+class PipelineThreads : public testing::TestWithParam<int> {};
+
+INSTANTIATE_TEST_SUITE_P(OneAndMany, PipelineThreads, testing::Values(1, 2));
+
+TEST(Pipeline, DoesTheSameWithOneThreadAndWithManyUnderRandomDelays) {
+  const RunResult one = run_with_delays(1, 1, 7);
+  for (unsigned seed = 2; seed < 6; ++seed) {
+    const RunResult many = run_with_delays(2, seed, 7);
+    EXPECT_EQ(many.told.lines, one.told.lines);
+    EXPECT_EQ(many.laser_calls, one.laser_calls);
+    EXPECT_EQ(many.visual_calls, one.visual_calls);
+  }
+}
+
+TEST_P(PipelineThreads, TellsOutputsInTheOrderOfInputIndexThenSource) {
+  FakeModule laser(PoseSource::kLaser, random_delay(1, 1ms));
+  FakeModule visual(PoseSource::kVisual);
+  PipelineOptions options;
+  options.threads = GetParam();
+  const RunResult result = run(laser, visual, options, rounds(2));
+  const std::vector<std::string> expected{
+      "odometry 1000000000", "step 1000000000",     "laser 1010000000 2", "fused 1010000000 2",
+      "step 1010000000",     "visual 1020000000 2", "fused 1020000000 2", "step 1020000000",
+      "odometry 1030000000", "step 1030000000",     "laser 1040000000 4", "fused 1040000000 4",
+      "step 1040000000",     "visual 1050000000 4", "fused 1050000000 4", "step 1050000000"};
+  EXPECT_EQ(result.told.lines, expected);
+}
+
+TEST_P(PipelineThreads, CarriesOutACommandBeforeTheFirstInputAtItsIndexPlusDelay) {
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual);
+  PipelineOptions options;
+  options.threads = GetParam();
+  options.command_delay = 4;
+  // The third fusion input is the image at index 2: due before index 6, the odometry of the third round.
+  const RunResult result = run(laser, visual, options, rounds(4), 3);
+  const auto command = std::find_if(result.laser_calls.begin(), result.laser_calls.end(),
+                                    [](const std::string& call) { return call.starts_with("set pose"); });
+  ASSERT_NE(command, result.laser_calls.end());
+  EXPECT_EQ(*(command - 1), "process 1040000000");
+  EXPECT_EQ(*(command + 1), "process 1060000000");
+}
+
+TEST_P(PipelineThreads, CarriesACommandedPoseOnByTheOdometryDrivenMeanwhile) {
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual);
+  PipelineOptions options;
+  options.threads = GetParam();
+  options.command_delay = 4;
+  const RunResult result = run(laser, visual, options, rounds(4), 3);
+  // Issued in rounds 0 and 1, carried out at the odometry two rounds of 1 cm later.
+  EXPECT_EQ(std::count(result.laser_calls.begin(), result.laser_calls.end(), "set pose 100.020"), 2);
+}
+
+TEST_P(PipelineThreads, LosesNothingToASlowModuleInReplay) {
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual, [] { std::this_thread::sleep_for(1ms); });
+  PipelineOptions options;
+  options.threads = GetParam();
+  options.queue_capacity = 2;
+  const RunResult result = run(laser, visual, options, rounds(60));
+  const auto& counters = result.outcome->counters;
+  EXPECT_EQ(counters.at(PoseSource::kVisual).inputs, 60U);
+  EXPECT_EQ(counters.at(PoseSource::kVisual).poses, 60U);
+  EXPECT_EQ(counters.at(PoseSource::kVisual).dropped, 0U);
+  EXPECT_EQ(counters.at(PoseSource::kLaser).poses, 60U);
+  EXPECT_EQ(counters.at(PoseSource::kFused).inputs, 180U);
+  EXPECT_EQ(counters.at(PoseSource::kFused).poses, 120U);
+}
+
+TEST_P(PipelineThreads, GoesOnAfterRejectedMessagesAndReportsThemOnceAndAsASum) {
+  FakeModule laser(PoseSource::kLaser);
+  laser.reject_from = 1'400'000'000;  // scans of the rounds 13 to 19
+  FakeModule visual(PoseSource::kVisual);
+  auto items = rounds(20);
+  for (int i = 0; i < 3; ++i) {
+    items.insert(items.begin() + 5,
+                 common::RejectedMessage{1'000'000'000 + i, "cam0", fmt::format("cam0/data.csv:{}: cut image", i)});
+  }
+  PipelineOptions options;
+  options.threads = GetParam();
+  const RunResult result = run(laser, visual, options, items);
+  EXPECT_EQ(result.outcome->counters.at(PoseSource::kLaser).rejected, 7U);
+  EXPECT_EQ(result.outcome->counters.at(PoseSource::kLaser).inputs, 20U);
+  EXPECT_EQ(result.outcome->counters.at(PoseSource::kVisual).rejected, 3U);
+  EXPECT_EQ(result.outcome->counters.at(PoseSource::kVisual).inputs, 23U);
+  EXPECT_EQ(result.outcome->counters.at(PoseSource::kVisual).poses, 20U);
+  ASSERT_EQ(result.told.events.size(), 4U);  // the first of each kind, then both sums
+  EXPECT_EQ(result.told.events[0].detail, "cam0: cam0/data.csv:2: cut image");
+  EXPECT_NE(result.told.events[2].detail.find("3 messages"), std::string::npos);
+}
+
+TEST_P(PipelineThreads, TurnsAnExceptionOfAModuleIntoAnError) {
+  FakeModule laser(PoseSource::kLaser);
+  laser.throw_at = 1'310'000'000;
+  FakeModule visual(PoseSource::kVisual);
+  PipelineOptions options;
+  options.threads = GetParam();
+  const RunResult result = run(laser, visual, options, rounds(50));
+  ASSERT_FALSE(result.outcome.has_value());
+  EXPECT_EQ(result.outcome.error().kind, common::ErrorKind::kFailed);
+  EXPECT_NE(result.outcome.error().message.find("the fake module threw"), std::string::npos);
+}
+
+TEST_P(PipelineThreads, EndsSoonAfterTheStopFlagIsSet) {
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual, [] { std::this_thread::sleep_for(10ms); });
+  PipelineOptions options;
+  options.threads = GetParam();
+  std::atomic<bool> stop{false};
+  std::jthread stopper([&stop] {
+    std::this_thread::sleep_for(100ms);
+    stop = true;
+  });
+  const auto start = std::chrono::steady_clock::now();
+  const RunResult result = run(laser, visual, options, rounds(2000), 0, stop);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 1s);
+  ASSERT_TRUE(result.outcome.has_value());
+  EXPECT_TRUE(result.outcome->interrupted);
+  EXPECT_FALSE(result.told.lines.empty());
+}
+
+TEST(Pipeline, HoldsAReplayBackToItsRate) {
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual);
+  PipelineOptions options;
+  options.rate = 2.0;
+  const auto start = std::chrono::steady_clock::now();
+  run(laser, visual, options, rounds(11));  // 0.32 s of recording
+  EXPECT_GE(std::chrono::steady_clock::now() - start, 159ms);
+}
+
+TEST(Pipeline, RunsAnEmptyRecordingWithoutTellingAnything) {
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual);
+  const RunResult result = run(laser, visual, {}, {});
+  ASSERT_TRUE(result.outcome.has_value());
+  EXPECT_TRUE(result.told.lines.empty());
+}
+
+}  // namespace
+}  // namespace slamfuse::service
