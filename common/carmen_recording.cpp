@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/angle.hpp"
 #include "common/carmen_line.hpp"
+#include "common/carmen_reference.hpp"
 #include "common/laser_reading.hpp"
 #include "common/line_reader.hpp"
 #include "common/number_text.hpp"
@@ -238,7 +238,7 @@ Result<std::unique_ptr<Recording>> open_carmen_recording(const std::filesystem::
   return std::make_unique<CarmenRecording>(std::move(info), kind, scans.beams, std::move(*lines));
 }
 
-Result<Trajectory2> read_carmen_reference(const std::filesystem::path& path) {
+Result<Trajectory2> read_carmen_ground_truth(const std::filesystem::path& path) {
   std::filesystem::path file = path;
   for (const char* extension : {".bz2", ".gz", ".clf", ".log"}) {
     if (file.extension() == extension) file.replace_extension();
@@ -249,28 +249,10 @@ Result<Trajectory2> read_carmen_reference(const std::filesystem::path& path) {
 
   const Result<std::unique_ptr<Recording>> log = open_carmen_recording(path);
   if (!log) return tl::unexpected(log.error());
-  const Pose2 T_laser_base = to_pose2((*log)->info().calibration.lasers.at(kLaserName).T_base_laser).inverse();
-  Trajectory2 truth;
-  const Result<void> read = read_number_rows(file, [&](const NumberRow& row) -> Result<void> {
-    constexpr std::size_t kStampColumn = 1;
-    constexpr std::size_t kPoseColumn = 3;
-    if (row.columns.size() != kPoseColumn + 3) {
-      return invalid_input(row.where + ": " + std::to_string(row.columns.size()) +
-                           " columns (expected: index, ipc stamp, logger stamp, x, y, theta)");
-    }
-    const Result<Nanoseconds> stamp = row.stamp(kStampColumn);
-    const Result<double> x = row.number(kPoseColumn);
-    const Result<double> y = row.number(kPoseColumn + 1);
-    const Result<double> theta = row.number(kPoseColumn + 2);
-    if (!stamp) return tl::unexpected(stamp.error());
-    for (const Result<double>* number : {&x, &y, &theta}) {
-      if (!*number) return tl::unexpected(number->error());
-    }
-    truth.push_back({*stamp, Pose2{*x, *y, normalize_angle(*theta)} * T_laser_base});
-    return {};
-  });
-  if (!read) return tl::unexpected(read.error());
-  return truth;
+  const Result<Trajectory2> laser_poses = read_carmen_reference(file);
+  if (!laser_poses) return tl::unexpected(laser_poses.error());
+  const Pose2 T_base_laser = to_pose2((*log)->info().calibration.lasers.at(kLaserName).T_base_laser);
+  return sensor_trajectory(*laser_poses, T_base_laser.inverse());
 }
 
 }  // namespace slamfuse::common

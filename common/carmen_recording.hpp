@@ -20,8 +20,9 @@ bool is_carmen_log(std::string_view beginning);
 /// common/RECORDINGS.md for what is taken from where. Errors (kInvalidInput): unreadable, no scan.
 Result<std::unique_ptr<Recording>> open_carmen_recording(const std::filesystem::path& path);
 
-/// Corrected poses in `NAME.reference.txt` beside the log `NAME.clf.bz2` (`index ipc_stamp logger_stamp x y theta`,
-/// poses of the laser), as poses of base_link; empty when there is no such file. Error: a line that cannot be read.
-Result<Trajectory2> read_carmen_reference(const std::filesystem::path& path);
+/// The reference `NAME.reference.txt` beside the log `NAME.clf.bz2` (see carmen_reference.hpp) as poses of base_link;
+/// empty when there is no such file. It is sparse: compare at equal stamps. Errors: those of the log and of the
+/// reference.
+Result<Trajectory2> read_carmen_ground_truth(const std::filesystem::path& path);
 
 }  // namespace slamfuse::common

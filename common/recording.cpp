@@ -52,7 +52,7 @@ Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& p
 
 Result<Trajectory2> read_ground_truth(const std::filesystem::path& path) {
   if (is_euroc_folder(path)) return read_euroc_ground_truth(path);
-  return read_carmen_reference(path);
+  return read_carmen_ground_truth(path);
 }
 
 }  // namespace slamfuse::common
