@@ -2,7 +2,7 @@
 #include "common/config.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <cstdint>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -12,9 +12,8 @@
 #include <fmt/ranges.h>
 
 #include "common/config_node.hpp"
-#include "common/number_text.hpp"
 #include "common/option_range.hpp"
-#include "common/quote.hpp"
+#include "common/text_fields.hpp"
 
 namespace slamfuse::common {
 namespace {
@@ -41,20 +40,13 @@ std::vector<std::string> nearest_first(std::vector<std::string> words, std::stri
   return words;
 }
 
-std::optional<int> parse_integer(std::string_view text) {
-  int value = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// A value as the user wrote it, for messages.
 std::string shown(const ConfigNode& node) {
   switch (node.kind) {
     case ConfigNode::Kind::kNothing:
       return "empty";
     case ConfigNode::Kind::kScalar:
-      return quote(node.text);
+      return in_quotes(node.text);
     case ConfigNode::Kind::kList:
       return "a list";
     case ConfigNode::Kind::kMap:
@@ -76,7 +68,7 @@ class OptionReader : public OptionVisitor {
             const std::string&) override {
     const ConfigNode* node = find(name);
     if (node == nullptr) return;
-    const std::optional<double> number = is_bare(*node) ? parse_finite(node->text) : std::nullopt;
+    const std::optional<double> number = is_bare(*node) ? parse_real(node->text) : std::nullopt;
     if (!number || *number < range.min || *number > range.max) {
       return refuse(name, *node, "a number, " + range_text(range, unit));
     }
@@ -87,11 +79,11 @@ class OptionReader : public OptionVisitor {
                const std::string&) override {
     const ConfigNode* node = find(name);
     if (node == nullptr) return;
-    const std::optional<int> number = is_bare(*node) ? parse_integer(node->text) : std::nullopt;
+    const std::optional<std::int64_t> number = is_bare(*node) ? parse_integer(node->text) : std::nullopt;
     if (!number || *number < range.min || *number > range.max) {
       return refuse(name, *node, "a whole number, " + range_text(range, unit));
     }
-    if (pass_ == Pass::kApply) value = *number;
+    if (pass_ == Pass::kApply) value = static_cast<int>(*number);
   }
 
   void flag(const std::string& name, bool& value, const std::string&) override {
@@ -129,13 +121,14 @@ class OptionReader : public OptionVisitor {
   void refuse_unknown() {
     for (const ConfigEntry& entry : map_.entries) {
       if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
-      mistakes_.push_back(fmt::format("{}: unknown key {}, allowed here: {}", entry.where, quote(prefix_ + entry.key),
+      mistakes_.push_back(fmt::format("{}: unknown key {}, allowed here: {}", entry.where,
+                                      in_quotes(prefix_ + entry.key),
                                       fmt::join(nearest_first(known_, entry.key), ", ")));
     }
   }
 
  private:
-  static bool is_bare(const ConfigNode& node) { return node.kind == ConfigNode::Kind::kScalar && !node.in_quotes; }
+  static bool is_bare(const ConfigNode& node) { return node.kind == ConfigNode::Kind::kScalar && !node.was_quoted; }
 
   const ConfigNode* find(const std::string& name) {
     known_.push_back(name);

@@ -14,7 +14,7 @@
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
 
-#include "common/quote.hpp"
+#include "common/text_fields.hpp"
 
 namespace slamfuse::common {
 namespace {
@@ -46,11 +46,11 @@ class TreeBuilder : public YAML::EventHandler {
     refuse_anchor(mark, anchor);
     // yaml-cpp tags plain scalars "?" and scalars in quotes "!".
     if (tag != "?" && tag != "!" && !tag.empty()) {
-      throw YAML::ParserException(mark, "the tag " + quote(tag) + " is not supported");
+      throw YAML::ParserException(mark, "the tag " + in_quotes(tag) + " is not supported");
     }
     ConfigNode node = make(ConfigNode::Kind::kScalar, mark);
     node.text = value;
-    node.in_quotes = tag == "!";
+    node.was_quoted = tag == "!";
     close(mark, std::move(node));
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
@@ -123,7 +123,7 @@ class TreeBuilder : public YAML::EventHandler {
     for (const ConfigEntry& earlier : map.node.entries) {
       if (earlier.key == key.text) {
         throw YAML::ParserException(
-            mark, fmt::format("the key {} is given twice, first at {}", quote(key.text), earlier.where));
+            mark, fmt::format("the key {} is given twice, first at {}", in_quotes(key.text), earlier.where));
       }
     }
     if (map.node.entries.size() >= kMaxKeysPerMap) {
@@ -187,9 +187,9 @@ Result<ConfigNode> read_config_tree(const std::filesystem::path& yaml) {
 Result<ConfigNode> parse_assignment(std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos) {
-    return usage_error(fmt::format("{}: expected key=value, e.g. laser.particles=50", quote(assignment)));
+    return usage_error(fmt::format("{}: expected key=value, e.g. laser.particles=50", in_quotes(assignment)));
   }
-  const std::string where = quote(assignment);
+  const std::string where = in_quotes(assignment);
   ConfigNode node;
   node.kind = ConfigNode::Kind::kScalar;
   node.where = where;

@@ -19,7 +19,7 @@ struct ConfigNode {
   Kind kind = Kind::kNothing;
   std::string where;                 ///< "file:line:column", or the assignment it comes from
   std::string text;                  ///< of a scalar
-  bool in_quotes = false;            ///< a scalar in quotes is text, never a number
+  bool was_quoted = false;           ///< a scalar in quotes is text, never a number
   std::vector<ConfigEntry> entries;  ///< of a map, in the order written, no key twice; a list's items are not kept
 };
 

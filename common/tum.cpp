@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/angle.hpp"
-#include "common/number_text.hpp"
+#include "common/number_rows.hpp"
 
 namespace slamfuse::common {
 namespace {

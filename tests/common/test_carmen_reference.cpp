@@ -41,8 +41,8 @@ TEST(CarmenReference, RefusesBrokenLinesWithTheirPlace) {
     return read_carmen_reference(TemporaryFile("r.txt", text).path()).error().message;
   };
   EXPECT_THAT(message("1 2 3 4 5\n"), HasSubstr("r.txt:1: 5 columns, expected 6"));
-  EXPECT_THAT(message("1 2 3 4 5 6\n1 2 3 4 nan 6\n"), HasSubstr("r.txt:2: column 5 is \"nan\""));
-  EXPECT_THAT(message("1 x 3 4 5 6\n"), HasSubstr("r.txt:1: column 2 is \"x\", expected a time"));
+  EXPECT_THAT(message("1 2 3 4 5 6\n1 2 3 4 nan 6\n"), HasSubstr("r.txt:2: column 5 is 'nan'"));
+  EXPECT_THAT(message("1 x 3 4 5 6\n"), HasSubstr("r.txt:1: column 2 is 'x', expected a time"));
 }
 
 TEST(SensorTrajectory, PlacesTheSensorAheadOfTheBase) {

@@ -36,7 +36,7 @@ TEST(ReadRelations, RefusesBrokenLinesWithTheirPlace) {
   };
   EXPECT_THAT(message(""), HasSubstr("has no line of numbers"));
   EXPECT_THAT(message("1 2 3\n"), HasSubstr("r.relations:1: 3 columns, expected 8"));
-  EXPECT_THAT(message("1 2 0 0 0 0 0 0\n1 2 0 inf 0 0 0 0\n"), HasSubstr("r.relations:2: column 4 is \"inf\""));
+  EXPECT_THAT(message("1 2 0 0 0 0 0 0\n1 2 0 inf 0 0 0 0\n"), HasSubstr("r.relations:2: column 4 is 'inf'"));
   EXPECT_THAT(message("1 2 0 0 0.1 0 0 0\n"), HasSubstr("z 0.1, roll 0, pitch 0: expected 0"));
 }
 

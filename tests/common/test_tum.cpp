@@ -76,10 +76,10 @@ INSTANTIATE_TEST_SUITE_P(
                     BadText{"# only a comment\n", "has no line of numbers"},
                     BadText{"1 2 3\n", "path.tum:1: 3 columns, expected 8"},
                     BadText{"1 0 0 0\n2 0 0 0 0 0 0 1\n", "path.tum:2: 8 columns, the lines before have 4"},
-                    BadText{"1 0 0 0\n2 0 zero 0\n", "path.tum:2: column 3 is \"zero\""},
-                    BadText{"1 0 nan 0\n", "column 3 is \"nan\", expected a finite number"},
-                    BadText{"1 0 0 inf\n", "column 4 is \"inf\""}, BadText{"1 0 0 1e999\n", "column 4 is \"1e999\""},
-                    BadText{"1 0 0x1 0\n", "column 3 is \"0x1\""}, BadText{"now 0 0 0\n", "column 1 is \"now\""},
+                    BadText{"1 0 0 0\n2 0 zero 0\n", "path.tum:2: column 3 is 'zero'"},
+                    BadText{"1 0 nan 0\n", "column 3 is 'nan', expected a finite number"},
+                    BadText{"1 0 0 inf\n", "column 4 is 'inf'"}, BadText{"1 0 0 1e999\n", "column 4 is '1e999'"},
+                    BadText{"1 0 0x1 0\n", "column 3 is '0x1'"}, BadText{"now 0 0 0\n", "column 1 is 'now'"},
                     BadText{"1 0 0 0 0 0 0 0\n", "the quaternion's length is 0"},
                     BadText{"1 0 0 0 0 0 0 1.002\n", "the quaternion's length is 1.002"}));
 

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,9 +11,6 @@
 #include "common/time.hpp"
 
 namespace slamfuse::common {
-
-/// A finite decimal number and nothing else around it; whatever the locale. No hexadecimal, no "nan", no "inf".
-std::optional<double> parse_finite(std::string_view text);
 
 /// One line of a text file of numbers, with the place it stands for error messages.
 struct NumberRow {
