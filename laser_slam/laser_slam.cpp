@@ -1,55 +1,322 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "laser_slam/laser_slam.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
-#include "common/odometry_buffer.hpp"
+#include <fmt/format.h>
+#include <Eigen/LU>
+
+#include "common/angle.hpp"
+#include "laser_slam/degeneracy.hpp"
+#include "laser_slam/loop_detector.hpp"
+#include "laser_slam/map_state.hpp"
+#include "laser_slam/motion_model.hpp"
+#include "laser_slam/motion_predictor.hpp"
+#include "laser_slam/particle_filter.hpp"
+#include "laser_slam/path_log.hpp"
+#include "laser_slam/scan_tracker.hpp"
+#include "laser_slam/tracking_monitor.hpp"
 
 namespace slamfuse::laser_slam {
+namespace {
 
-/// Dead reckoning only: a first state of the interface.
+constexpr double kEnoughKnown = 0.2;       // share of a scan's beams in mapped space for its agreement to tell anything
+constexpr double kPoseFloor = 0.005;       // [m] no estimate claims to be better than this: a tenth of a cell
+constexpr double kHeadingFloor = 0.002;    // [rad] the same
+constexpr double kDegenerateEvery = 10.0;  // [m] of path between two events of being degenerate
+
+FilterSettings filter_settings(const LaserSlamOptions& options) {
+  return {options.particles, options.resample_threshold, options.likelihood_gain, options.proposal_spread,
+          options.lost_agreement};
+}
+
+}  // namespace
+
 class LaserSlam::Impl {
  public:
-  std::string sensor;
-  common::OdometryBuffer odometry;
-  common::Trajectory2 path;
+  Impl(const LaserSlamOptions& options, std::string sensor, const common::LaserCalibration& calibration,
+       std::uint64_t seed, int threads)
+      : options_(options),
+        sensor_(std::move(sensor)),
+        calibration_(calibration),
+        predictor_(options.motion),
+        matcher_(options.matcher, options.likelihood_gain),
+        tracker_(matcher_, options.matcher, options.motion),
+        filter_(filter_settings(options), matcher_, seed, threads),
+        loops_(options.loops),
+        monitor_({options.uncertain_agreement, options.lost_agreement, options.lost_time}) {}
+
+  const std::string& sensor() const { return sensor_; }
+
+  void add(const common::WheelOdometry& odometry) { predictor_.add(odometry); }
+
+  common::ProcessResult add(const common::LaserScan& scan) {
+    common::ProcessResult result;
+    const auto beams = project(scan);
+    if (!beams) {
+      result.rejected = beams.error().message;
+      return result;
+    }
+    result.estimate = !started_ ? start(scan.stamp, *beams) : step(scan.stamp, *beams);
+    return result;
+  }
+
+  void set_pose(const common::SetPose& command) {
+    if (!started_ || !command.pose.is_finite() || !command.covariance.allFinite()) return;
+    filter_.scatter(command.pose, command.covariance + floor_covariance());
+    begin_segment(std::nullopt);
+    monitor_.reset();
+    announce("relocalised", "the pose was set from outside");
+  }
+
+  void reset() {
+    if (!started_) return;
+    started_ = false;
+    ++epoch_;
+    path_.clear();
+    path_length_ = 0.0;
+    loops_ = LoopDetector(options_.loops);
+    monitor_.reset();
+    announce("map_reset", fmt::format("map epoch {} begins", epoch_));
+  }
+
+  void answer_relocalise() {
+    announce("relocalise_refused", "searching the whole map needs a finished map: not while mapping");
+  }
+
+  common::Trajectory2 final_trajectory() const {
+    return started_ ? path_.compose(filter_.best_path()) : common::Trajectory2{};
+  }
+
+  common::OccupancyGrid grid() const {
+    return started_ ? to_occupancy_grid(filter_.best().map) : common::OccupancyGrid{};
+  }
+
+  common::Result<std::string> serialize() const {
+    if (!started_) return common::failed("laser_slam: nothing mapped yet, there is no state to save");
+    return serialize_state({pose_, path_length_, filter_.best().map});
+  }
+
+  common::Result<void> restore(const std::string& bytes) {
+    auto state = parse_state(bytes, options_.map);
+    if (!state) return tl::unexpected(state.error());
+    reset();
+    if (epoch_ == 0) ++epoch_;
+    path_length_ = state->path_length;
+    restored_ = std::move(*state);
+    return {};
+  }
+
+ private:
+  static Eigen::Matrix3d floor_covariance() {
+    return Eigen::Vector3d(kPoseFloor * kPoseFloor, kPoseFloor * kPoseFloor, kHeadingFloor * kHeadingFloor)
+        .asDiagonal();
+  }
+
+  void announce(std::string kind, std::string detail) {
+    pending_.push_back({0, "laser", std::move(kind), std::move(detail)});
+  }
+
+  common::Result<ScanBeams> project(const common::LaserScan& scan) const {
+    const common::Nanoseconds sweep = options_.compensate_sweep ? common::from_seconds(calibration_.sweep_duration) : 0;
+    return project_scan(scan, calibration_,
+                        {options_.max_range, options_.map.free_beyond_range, options_.matcher.max_beams},
+                        predictor_.sweep_twist(scan.stamp, sweep));
+  }
+
+  common::PoseEstimate start(common::Nanoseconds stamp, const ScanBeams& beams) {
+    common::Pose2 pose;
+    GridMap map(options_.map);
+    if (restored_) {
+      pose = restored_->pose;
+      map = restored_->map;
+    } else {
+      InsertionScratch scratch;
+      map.insert(beams, pose, path_length_, scratch);
+    }
+    restored_.reset();
+    filter_.start(pose, map);
+    predictor_.start(stamp);
+    started_ = true;
+    last_update_stamp_ = stamp;
+    begin_segment(std::nullopt);
+    return estimate(stamp, beams, matcher_.evaluate(filter_.best().map, beams.match_points, pose_), false);
+  }
+
+  common::PoseEstimate step(common::Nanoseconds stamp, const ScanBeams& beams) {
+    const MotionPrediction prediction = predictor_.predict(stamp);
+    const TrackedScan tracked = tracker_.track(filter_.best().map, beams.match_points, pose_, prediction, predictor_,
+                                               loops_.old_before(path_length_));
+    follow(stamp, prediction, tracked);
+    monitor_.add(stamp, agreement_of(tracked.match.fit, beams));
+    const bool closed = loops_.closes(tracked.match.fit.old_share, path_length_);
+    if (update_due(stamp)) update(stamp, beams);
+    return estimate(stamp, beams, tracked.match.fit, closed);
+  }
+
+  /// Takes the scan-to-scan motion: the online pose, and what the next filter update will be told.
+  void follow(common::Nanoseconds stamp, const MotionPrediction& prediction, const TrackedScan& tracked) {
+    predictor_.finish(stamp, prediction, tracked.increment);
+    pose_ = tracked.match.pose;
+    path_length_ += std::hypot(tracked.increment.x, tracked.increment.y);
+    matched_travel_ += tracked.increment;
+    matched_ = matched_ * tracked.increment;
+    // Where the odometry is not to be believed the match stands in for it, as uncertain as a prediction.
+    const bool believed = prediction.from_odometry && !tracked.odometry_doubted;
+    const common::Pose2 increment = believed ? prediction.increment : tracked.increment;
+    odometry_ = odometry_ * increment;
+    if (believed) {
+      odometry_travel_ += increment;
+    } else {
+      predicted_covariance_ += prediction_covariance(std::min(std::abs(prediction.seconds), 0.2), options_.motion);
+    }
+  }
+
+  bool update_due(common::Nanoseconds stamp) const {
+    return matched_travel_.distance >= options_.update_distance || matched_travel_.turn >= options_.update_angle ||
+           (options_.update_interval > 0.0 &&
+            std::abs(common::to_seconds(stamp - last_update_stamp_)) >= options_.update_interval);
+  }
+
+  void update(common::Nanoseconds stamp, const ScanBeams& beams) {
+    MotionSinceUpdate motion;
+    motion.increment = odometry_;
+    motion.covariance = odometry_covariance(odometry_travel_, options_.motion) + predicted_covariance_;
+    motion.guess = matched_;
+    const common::Pose2 arrival = matched_;
+    filter_.update(beams, motion, path_length_, monitor_.may_map());
+    last_update_stamp_ = stamp;
+    begin_segment(arrival);
+  }
+
+  /// The online path continues from the best particle, wherever it is now.
+  void begin_segment(std::optional<common::Pose2> arrival) {
+    pose_ = filter_.best().pose;
+    matched_ = {};
+    odometry_ = {};
+    matched_travel_ = {};
+    odometry_travel_ = {};
+    predicted_covariance_.setZero();
+    path_.begin_segment(arrival);
+  }
+
+  std::optional<double> agreement_of(const ScanFit& fit, const ScanBeams& beams) const {
+    if (fit.known < kEnoughKnown * static_cast<double>(beams.match_points.size())) return std::nullopt;
+    return fit.agreement;
+  }
+
+  common::PoseEstimate estimate(common::Nanoseconds stamp, const ScanBeams& beams, const ScanFit& fit, bool closed) {
+    path_.add(stamp, matched_);
+    common::PoseEstimate estimate;
+    estimate.stamp = stamp;
+    estimate.source = common::PoseSource::kLaser;
+    estimate.map_epoch = epoch_;
+    estimate.pose = pose_;
+    estimate.covariance = covariance(fit);
+    estimate.state = monitor_.state();
+    estimate.health.scan_likelihood = agreement_of(fit, beams);
+    estimate.health.effective_particles = filter_.effective_particles();
+    estimate.health.degenerate_direction = degenerate_direction(fit.information, options_.degenerate_ratio);
+    report_events(estimate, fit, closed);
+    return estimate;
+  }
+
+  /// Spread of the particles plus that of the match given the motion since the last update. Never zero.
+  Eigen::Matrix3d covariance(const ScanFit& fit) const {
+    const Eigen::Matrix3d prior =
+        to_parent_frame(odometry_covariance(matched_travel_, options_.motion) + predicted_covariance_, pose_).inverse();
+    return filter_.spread() + (prior + options_.likelihood_gain * fit.information).inverse() + floor_covariance();
+  }
+
+  void report_events(common::PoseEstimate& estimate, const ScanFit& fit, bool closed) {
+    if (closed) {
+      announce("loop_closed", fmt::format("after {:.1f} m the scan meets surfaces last seen {:.1f} m of path ago",
+                                          path_length_, path_length_ - fit.mean_last_path));
+    }
+    if (monitor_.just_lost())
+      announce("lost", fmt::format("the scan agrees with the map by {:.2f} only", fit.agreement));
+    if (monitor_.just_found())
+      announce("relocalised", fmt::format("the scan agrees with the map by {:.2f}", fit.agreement));
+    if (!estimate.health.degenerate_direction) {
+      held_at_ = path_length_;
+    } else if (path_length_ - held_at_ >= options_.update_distance &&
+               path_length_ - degenerate_told_ >= kDegenerateEvery) {
+      degenerate_told_ = path_length_;
+      announce("degenerate", fmt::format("the scan leaves the position open along {:.0f} deg",
+                                         common::to_degrees(*estimate.health.degenerate_direction)));
+    }
+    for (common::Event& event : pending_) event.stamp = estimate.stamp;
+    estimate.events = std::exchange(pending_, {});
+  }
+
+  LaserSlamOptions options_;
+  std::string sensor_;
+  common::LaserCalibration calibration_;
+  MotionPredictor predictor_;
+  ScanMatcher matcher_;
+  ScanTracker tracker_;
+  ParticleFilter filter_;
+  LoopDetector loops_;
+  TrackingMonitor monitor_;
+  PathLog path_;
+
+  bool started_ = false;
+  std::uint32_t epoch_ = 0;
+  std::optional<MapState> restored_;  // waits for the first scan
+  common::Pose2 pose_;                // online, T_map_base at the last scan
+  double path_length_ = 0.0;          // [m] since the map was begun
+  common::Nanoseconds last_update_stamp_ = 0;
+  std::vector<common::Event> pending_;
+
+  // Since the last filter update:
+  common::Pose2 matched_;   // motion as matched scan to scan
+  common::Pose2 odometry_;  // motion as the odometry tells, where it is believed
+  Travel matched_travel_;
+  Travel odometry_travel_;
+  Eigen::Matrix3d predicted_covariance_ = Eigen::Matrix3d::Zero();  // of what was predicted without odometry
+
+  double held_at_ = 0.0;                        // path length where the scan last held the whole position
+  double degenerate_told_ = -kDegenerateEvery;  // path length at the last event
 };
 
 LaserSlam::LaserSlam(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 LaserSlam::~LaserSlam() = default;
 
-common::Result<std::unique_ptr<LaserSlam>> LaserSlam::create(const LaserSlamOptions&, const std::string& sensor,
-                                                             const common::LaserCalibration&, std::uint64_t, int) {
-  auto impl = std::make_unique<Impl>();
-  impl->sensor = sensor;
-  return std::unique_ptr<LaserSlam>(new LaserSlam(std::move(impl)));
+common::Result<std::unique_ptr<LaserSlam>> LaserSlam::create(const LaserSlamOptions& options, const std::string& sensor,
+                                                             const common::LaserCalibration& calibration,
+                                                             std::uint64_t seed, int threads) {
+  if (auto checked = check_calibration(sensor, calibration); !checked) return tl::unexpected(checked.error());
+  return std::unique_ptr<LaserSlam>(
+      new LaserSlam(std::make_unique<Impl>(options, sensor, calibration, seed, std::max(threads, 1))));
 }
 
 bool LaserSlam::wants(const common::SensorMessage& message) const {
   if (std::holds_alternative<common::WheelOdometry>(message)) return true;
-  return std::holds_alternative<common::LaserScan>(message) && common::sensor_of(message) == impl_->sensor;
+  return std::holds_alternative<common::LaserScan>(message) && common::sensor_of(message) == impl_->sensor();
 }
 
 common::ProcessResult LaserSlam::process(const common::SensorMessage& message) {
-  common::ProcessResult result;
-  if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) impl_->odometry.add(*odometry);
-  if (std::holds_alternative<common::LaserScan>(message)) {
-    common::PoseEstimate estimate;
-    estimate.stamp = common::stamp_of(message);
-    estimate.pose = impl_->odometry.pose_at(estimate.stamp).value_or(common::Pose2{});
-    estimate.covariance = Eigen::Matrix3d::Identity() * 0.01;
-    impl_->path.push_back({estimate.stamp, estimate.pose});
-    result.estimate = estimate;
+  if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) {
+    if (!odometry->pose.is_finite()) return {std::nullopt, "odometry pose is not finite"};
+    impl_->add(*odometry);
+    return {};
   }
-  return result;
+  if (!wants(message)) return {};
+  return impl_->add(std::get<common::LaserScan>(message));
 }
 
-void LaserSlam::execute(const common::Command&) {}
-common::Trajectory2 LaserSlam::final_trajectory() const { return impl_->path; }
-common::OccupancyGrid LaserSlam::grid() const { return {}; }
-common::Result<std::string> LaserSlam::serialize() const { return common::failed("laser_slam: nothing mapped yet"); }
-common::Result<void> LaserSlam::restore(const std::string&) {
-  return common::invalid_input("laser_slam: not a laser state");
+void LaserSlam::execute(const common::Command& command) {
+  if (const auto* set_pose = std::get_if<common::SetPose>(&command)) return impl_->set_pose(*set_pose);
+  if (std::holds_alternative<common::Reset>(command)) return impl_->reset();
+  impl_->answer_relocalise();
 }
+
+common::Trajectory2 LaserSlam::final_trajectory() const { return impl_->final_trajectory(); }
+common::OccupancyGrid LaserSlam::grid() const { return impl_->grid(); }
+common::Result<std::string> LaserSlam::serialize() const { return impl_->serialize(); }
+common::Result<void> LaserSlam::restore(const std::string& state) { return impl_->restore(state); }
 
 }  // namespace slamfuse::laser_slam

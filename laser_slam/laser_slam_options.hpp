@@ -22,6 +22,7 @@ struct LaserSlamOptions {
   double lost_agreement = 0.25;
   double uncertain_agreement = 0.45;
   double lost_time = 2.0;
+  double degenerate_ratio = 0.03;
   bool compensate_sweep = true;
   MapOptions map;
   MotionModelOptions motion;
@@ -47,6 +48,8 @@ struct LaserSlamOptions {
     visit.real("lost_agreement", lost_agreement, {0.0, 1.0}, "",
                "Below this agreement scans do not enter the map; the state is LOST once it lasts for lost_time.");
     visit.real("lost_time", lost_time, {0.0, 60.0}, "s", "How long the agreement must stay low to be LOST.");
+    visit.real("degenerate_ratio", degenerate_ratio, {0.0, 1.0}, "",
+               "A direction is open when the scan holds it by less than this share of the best held one.");
     visit.flag("compensate_sweep", compensate_sweep, "Undo the robot's motion between a scan's first and last beam.");
     visit.nested("map", map, "The grid map of each particle.");
     visit.nested("motion", motion, "Uncertainty of the motion between two scans.");

@@ -8,9 +8,9 @@ namespace slamfuse::laser_slam {
 /// Settings of scan matching against a GridMap.
 struct ScanMatcherOptions {
   double sigma = 0.03;
-  double kernel_sigma = 0.04;
+  int kernel_cells = 2;
   double outlier_probability = 0.05;
-  double occupied_probability = 0.3;
+  double unknown_likelihood = 0.5;
   int max_iterations = 12;
   int max_beams = 360;
   double rematch_agreement = 0.6;
@@ -20,12 +20,12 @@ struct ScanMatcherOptions {
 
   void describe(common::OptionVisitor& visit) {
     visit.real("sigma", sigma, {0.001, 0.5}, "m", "Standard deviation of an endpoint across the mapped surface.");
-    visit.real("kernel_sigma", kernel_sigma, {0.001, 0.5}, "m",
-               "Width of the kernel that weighs the cells around an endpoint into a local surface.");
+    visit.integer("kernel_cells", kernel_cells, {1, 4}, "cells",
+                  "Reach of the kernel that weighs the cells around an endpoint into a local surface.");
     visit.real("outlier_probability", outlier_probability, {1e-6, 0.9}, "",
                "Likelihood of an endpoint that meets no surface, relative to a perfect one.");
-    visit.real("occupied_probability", occupied_probability, {0.05, 0.95}, "",
-               "Cells at least this likely to be occupied are matched.");
+    visit.real("unknown_likelihood", unknown_likelihood, {1e-6, 1.0}, "",
+               "Likelihood of an endpoint in unknown space, relative to a perfect one.");
     visit.integer("max_iterations", max_iterations, {1, 100}, "", "Gauss-Newton steps at most.");
     visit.integer("max_beams", max_beams, {10, 100000}, "", "Beams used; denser scans are thinned evenly.");
     visit.real("rematch_agreement", rematch_agreement, {0.0, 1.0}, "",

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser_slam/grid_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include <mrpt/maps/CLogOddsGridMap2D.h>
+
+namespace slamfuse::laser_slam {
+namespace {
+
+using LogOdds = mrpt::maps::CLogOddsGridMap2D<std::int8_t>;
+
+constexpr int kMask = Tile::kSide - 1;
+constexpr double kFarthest = 20000.0;  // [m] from the origin; beyond, path units and tile numbers end
+constexpr int kRayMargin = 1;          // cells before an endpoint a beam does not clear: the wall itself at a slant
+
+std::int8_t integer_log_odds(double probability) {
+  static mrpt::maps::CLogOddsGridMapLUT<std::int8_t> table;
+  return table.p2l(static_cast<float>(probability));
+}
+
+std::size_t cell_index(int cell_x, int cell_y) {
+  return static_cast<std::size_t>((cell_y & kMask) * Tile::kSide + (cell_x & kMask));
+}
+
+void set_occupied(Tile& tile, int cell_x, int cell_y, bool occupied) {
+  const std::uint32_t bit = 1u << (cell_x & kMask);
+  std::uint32_t& row = tile.occupied[static_cast<std::size_t>(cell_y & kMask)];
+  row = occupied ? row | bit : row & ~bit;
+}
+
+/// Calls visit(tile, local x, local y) for every occupied cell of a square, row by row.
+template <class Visit>
+void for_each_occupied(const TileGrid& tiles, int center_x, int center_y, int reach, const Visit& visit) {
+  const int first_x = center_x - reach;
+  const int first_y = center_y - reach;
+  const int side = 2 * reach + 1;
+  const int local_x = first_x & kMask;
+  const int tile_x = first_x >> Tile::kShift;
+  const std::uint32_t window = (1u << side) - 1u;
+  const bool crosses = local_x + side > Tile::kSide;
+  const Tile* left = nullptr;
+  const Tile* right = nullptr;
+  for (int row = 0; row < side; ++row) {
+    const int cell_y = first_y + row;
+    const int local_y = cell_y & kMask;
+    if (row == 0 || local_y == 0) {
+      left = tiles.find(tile_x, cell_y >> Tile::kShift);
+      right = crosses ? tiles.find(tile_x + 1, cell_y >> Tile::kShift) : nullptr;
+    }
+    std::uint32_t bits = 0;
+    if (left) bits = left->occupied[static_cast<std::size_t>(local_y)] >> local_x;
+    if (right) bits |= right->occupied[static_cast<std::size_t>(local_y)] << (Tile::kSide - local_x);
+    for (bits &= window; bits != 0; bits &= bits - 1) {
+      const int x = local_x + std::countr_zero(bits);
+      visit(x < Tile::kSide ? *left : *right, first_x + std::countr_zero(bits), cell_y);
+    }
+  }
+}
+
+/// Calls visit(x, y) for the cells from one point to another (Amanatides and Woo 1987), in units of cells, without the
+/// last one.
+template <class Visit>
+void walk_cells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Visit& visit) {
+  int x = static_cast<int>(std::floor(from.x()));
+  int y = static_cast<int>(std::floor(from.y()));
+  const int last_x = static_cast<int>(std::floor(to.x()));
+  const int last_y = static_cast<int>(std::floor(to.y()));
+  const Eigen::Vector2d direction = to - from;
+  const int step_x = direction.x() > 0.0 ? 1 : -1;
+  const int step_y = direction.y() > 0.0 ? 1 : -1;
+  const double delta_x = direction.x() != 0.0 ? 1.0 / std::abs(direction.x()) : HUGE_VAL;
+  const double delta_y = direction.y() != 0.0 ? 1.0 / std::abs(direction.y()) : HUGE_VAL;
+  double next_x = direction.x() != 0.0 ? (x + (step_x > 0 ? 1 : 0) - from.x()) / direction.x() : HUGE_VAL;
+  double next_y = direction.y() != 0.0 ? (y + (step_y > 0 ? 1 : 0) - from.y()) / direction.y() : HUGE_VAL;
+  for (int steps = std::abs(last_x - x) + std::abs(last_y - y); steps > 0; --steps) {
+    visit(x, y);
+    if (next_x < next_y) {
+      x += step_x;
+      next_x += delta_x;
+    } else {
+      y += step_y;
+      next_y += delta_y;
+    }
+  }
+}
+
+}  // namespace
+
+GridMap::GridMap(const MapOptions& options)
+    : options_(options),
+      hit_step_(integer_log_odds(options.hit_probability)),
+      miss_step_(integer_log_odds(1.0 - options.miss_probability)),
+      occupied_below_(integer_log_odds(1.0 - options.occupied_probability)) {}
+
+int GridMap::cell_of(double metres) const { return static_cast<int>(std::floor(metres / options_.resolution)); }
+
+void GridMap::hit(int cell_x, int cell_y, const Eigen::Vector2d& point, std::uint16_t path) {
+  Tile& tile = tiles_.write(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
+  const std::size_t i = cell_index(cell_x, cell_y);
+  LogOdds::updateCell_fast_occupied(&tile.log_odds[i], hit_step_,
+                                    static_cast<std::int8_t>(LogOdds::CELLTYPE_MIN + hit_step_));
+  Endpoints& ends = tile.endpoints[i];
+  const Eigen::Vector2d offset =
+      (point / options_.resolution - Eigen::Vector2d(cell_x + 0.5, cell_y + 0.5)) * Endpoints::kOffsetUnits;
+  if (ends.hits < options_.max_hits) ++ends.hits;
+  const auto blend = [&](std::int16_t old, double value) {
+    return static_cast<std::int16_t>(std::lround(old + (std::clamp(value, -30000.0, 30000.0) - old) / ends.hits));
+  };
+  ends.offset_x = blend(ends.offset_x, offset.x());
+  ends.offset_y = blend(ends.offset_y, offset.y());
+  ends.last_path = path;
+  set_occupied(tile, cell_x, cell_y, tile.log_odds[i] < occupied_below_);
+}
+
+void GridMap::miss(int cell_x, int cell_y) {
+  Tile& tile = tiles_.write(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
+  const std::size_t i = cell_index(cell_x, cell_y);
+  LogOdds::updateCell_fast_free(&tile.log_odds[i], miss_step_,
+                                static_cast<std::int8_t>(LogOdds::CELLTYPE_MAX - miss_step_));
+  if (tile.log_odds[i] >= occupied_below_) {
+    set_occupied(tile, cell_x, cell_y, false);
+    tile.endpoints[i] = {};
+  }
+}
+
+void GridMap::insert(const ScanBeams& scan, const common::Pose2& pose, double path_length, InsertionScratch& scratch) {
+  struct Ray {
+    Eigen::Vector2d from, to;  // [cells]
+    bool hit;
+  };
+  std::vector<Ray> rays;
+  rays.reserve(scan.beams.size());
+  Eigen::Array2d low = Eigen::Array2d::Constant(HUGE_VAL);
+  Eigen::Array2d high = -low;
+  for (const Beam& beam : scan.beams) {
+    Ray ray{pose * beam.origin / options_.resolution, pose * beam.end / options_.resolution, beam.hit};
+    const double length = (beam.end - beam.origin).norm();
+    if (length > options_.mapping_range) {
+      ray.to = ray.from + (ray.to - ray.from) * (options_.mapping_range / length);
+      ray.hit = false;
+    }
+    if (!(ray.to.cwiseAbs().maxCoeff() * options_.resolution < kFarthest)) continue;
+    low = low.min(ray.from.array()).min(ray.to.array());
+    high = high.max(ray.from.array()).max(ray.to.array());
+    rays.push_back(ray);
+  }
+  if (rays.empty()) return;
+  const int min_x = static_cast<int>(std::floor(low.x())) - 1;
+  const int min_y = static_cast<int>(std::floor(low.y())) - 1;
+  const int width = static_cast<int>(std::floor(high.x())) + 2 - min_x;
+  const int height = static_cast<int>(std::floor(high.y())) + 2 - min_y;
+  tiles_.include(min_x >> Tile::kShift, min_y >> Tile::kShift, (min_x + width) >> Tile::kShift,
+                 (min_y + height) >> Tile::kShift);
+  const std::size_t area = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  if (scratch.marks.size() < area) scratch.marks.resize(area, 0);
+  const std::uint32_t mark = ++scratch.generation;
+  const auto mark_at = [&](int x, int y) -> std::uint32_t& {
+    return scratch.marks[static_cast<std::size_t>(y - min_y) * static_cast<std::size_t>(width) +
+                         static_cast<std::size_t>(x - min_x)];
+  };
+
+  const auto path = static_cast<std::uint16_t>(std::clamp(path_length / Endpoints::kPathUnit, 0.0, 65535.0));
+  for (const Ray& ray : rays) {
+    if (!ray.hit) continue;
+    const int x = static_cast<int>(std::floor(ray.to.x()));
+    const int y = static_cast<int>(std::floor(ray.to.y()));
+    mark_at(x, y) = mark;
+    hit(x, y, ray.to * options_.resolution, path);
+  }
+  for (const Ray& ray : rays) {
+    const double length = (ray.to - ray.from).norm();
+    if (length <= kRayMargin) continue;
+    const Eigen::Vector2d stop =
+        ray.hit ? Eigen::Vector2d(ray.to - (ray.to - ray.from) * (kRayMargin / length)) : ray.to;
+    walk_cells(ray.from, stop, [&](int x, int y) {
+      std::uint32_t& cell_mark = mark_at(x, y);
+      if (cell_mark == mark) return;
+      cell_mark = mark;
+      miss(x, y);
+    });
+  }
+}
+
+Surface GridMap::surface_at(const Eigen::Vector2d& point, int reach) const {
+  const double res = options_.resolution;
+  const Eigen::Vector2d in_cells = point / res;
+  const double reach_squared = (reach + 0.5) * (reach + 0.5);
+  double sum = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0, sum_yy = 0.0, sum_path = 0.0;
+  // Sums about the point itself, in cells: small numbers, no cancellation.
+  for_each_occupied(tiles_, static_cast<int>(std::floor(in_cells.x())), static_cast<int>(std::floor(in_cells.y())),
+                    reach, [&](const Tile& tile, int cell_x, int cell_y) {
+                      const Endpoints& ends = tile.endpoints[cell_index(cell_x, cell_y)];
+                      const double x = cell_x + 0.5 + ends.offset_x / Endpoints::kOffsetUnits - in_cells.x();
+                      const double y = cell_y + 0.5 + ends.offset_y / Endpoints::kOffsetUnits - in_cells.y();
+                      const double near = 1.0 - (x * x + y * y) / reach_squared;
+                      if (near <= 0.0) return;
+                      const double weight = near * near * std::min<int>(ends.hits, kTrustedHits);
+                      sum += weight;
+                      sum_x += weight * x;
+                      sum_y += weight * y;
+                      sum_xx += weight * x * x;
+                      sum_xy += weight * x * y;
+                      sum_yy += weight * y * y;
+                      sum_path += weight * ends.last_path;
+                    });
+  Surface surface;
+  if (sum <= 0.0) return surface;
+  const double mean_x = sum_x / sum;
+  const double mean_y = sum_y / sum;
+  surface.weight = sum;
+  surface.mean = point + Eigen::Vector2d(mean_x, mean_y) * res;
+  surface.xx = (sum_xx / sum - mean_x * mean_x) * res * res;
+  surface.xy = (sum_xy / sum - mean_x * mean_y) * res * res;
+  surface.yy = (sum_yy / sum - mean_y * mean_y) * res * res;
+  surface.last_path = sum_path / sum * Endpoints::kPathUnit;
+  return surface;
+}
+
+bool GridMap::occupied_near(const Eigen::Vector2d& point) const {
+  bool found = false;
+  for_each_occupied(tiles_, cell_of(point.x()), cell_of(point.y()), 1, [&](const Tile&, int, int) { found = true; });
+  return found;
+}
+
+bool GridMap::known_at(const Eigen::Vector2d& point) const {
+  const int cell_x = cell_of(point.x());
+  const int cell_y = cell_of(point.y());
+  const Tile* tile = tiles_.find(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
+  return tile && tile->log_odds[cell_index(cell_x, cell_y)] != 0;
+}
+
+}  // namespace slamfuse::laser_slam

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser_slam/motion_predictor.hpp"
+
+#include "laser_slam/motion_model.hpp"
+
+namespace slamfuse::laser_slam {
+namespace {
+
+/// Scans closer or farther apart than this say nothing about the speed [s].
+constexpr double kShortestStep = 0.02;
+constexpr double kLongestStep = 1.0;
+
+}  // namespace
+
+void MotionPredictor::start(common::Nanoseconds stamp) {
+  last_stamp_ = stamp;
+  last_odometry_ = odometry_.pose_at(stamp);
+  twist_.setZero();
+}
+
+MotionPrediction MotionPredictor::predict(common::Nanoseconds stamp) const {
+  MotionPrediction prediction;
+  prediction.seconds = common::to_seconds(stamp - last_stamp_);
+  if (const auto odometry = odometry_.pose_at(stamp); odometry && last_odometry_) {
+    const common::Pose2 increment = last_odometry_->inverse() * *odometry;
+    if (!is_jump(increment, prediction.seconds, options_)) {
+      prediction.increment = increment;
+      prediction.from_odometry = true;
+      return prediction;
+    }
+    prediction.refused_odometry = increment;
+  }
+  if (prediction.seconds > 0.0 && prediction.seconds < kLongestStep) {
+    prediction.increment = at_last_speed(prediction.seconds);
+  }
+  return prediction;
+}
+
+void MotionPredictor::finish(common::Nanoseconds stamp, const MotionPrediction& prediction,
+                             const common::Pose2& matched) {
+  last_stamp_ = stamp;
+  last_odometry_ = odometry_.pose_at(stamp);
+  if (prediction.seconds > kShortestStep && prediction.seconds < kLongestStep) {
+    twist_ = common::log_se2(matched) / prediction.seconds;
+  } else if (prediction.seconds >= kLongestStep) {
+    twist_.setZero();
+  }
+}
+
+Eigen::Vector3d MotionPredictor::sweep_twist(common::Nanoseconds stamp, common::Nanoseconds duration) const {
+  if (duration <= 0) return Eigen::Vector3d::Zero();
+  const auto first = odometry_.pose_at(stamp);
+  const auto last = odometry_.pose_at(stamp + duration);
+  if (!first || !last) return twist_;
+  return common::log_se2(first->inverse() * *last) / common::to_seconds(duration);
+}
+
+}  // namespace slamfuse::laser_slam

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "common/odometry_buffer.hpp"
+#include "common/pose2.hpp"
+#include "common/time.hpp"
+#include "laser_slam/motion_model_options.hpp"
+
+namespace slamfuse::laser_slam {
+
+/// The motion expected between two scans.
+struct MotionPrediction {
+  common::Pose2 increment;  ///< T_base(last scan)_base(this scan)
+  double seconds = 0.0;     ///< between the scans; not positive where stamps step back
+  bool from_odometry = false;
+  std::optional<common::Pose2> refused_odometry;  ///< an increment too fast to be true, see is_jump()
+};
+
+/// Predicts the motion from scan to scan: by wheel odometry where there is some, else by the last matched speed.
+class MotionPredictor {
+ public:
+  explicit MotionPredictor(const MotionModelOptions& options) : options_(options) {}
+
+  void add(const common::WheelOdometry& odometry) { odometry_.add(odometry); }
+  /// Begins at a scan: the next prediction counts from here, at rest.
+  void start(common::Nanoseconds stamp);
+  /// The motion since the last scan given to start() or finish().
+  MotionPrediction predict(common::Nanoseconds stamp) const;
+  /// Ends the step to a scan with the motion it was found to have been.
+  void finish(common::Nanoseconds stamp, const MotionPrediction& prediction, const common::Pose2& matched);
+  /// The body twist [m/s, m/s, rad/s] while a sweep of this duration passes, zero for duration 0.
+  Eigen::Vector3d sweep_twist(common::Nanoseconds stamp, common::Nanoseconds duration) const;
+  /// The motion at the last matched speed.
+  common::Pose2 at_last_speed(double seconds) const { return common::exp_se2(twist_ * seconds); }
+
+ private:
+  MotionModelOptions options_;
+  common::OdometryBuffer odometry_;
+  common::Nanoseconds last_stamp_ = 0;
+  std::optional<common::Pose2> last_odometry_;       // as it was asked for at the last scan
+  Eigen::Vector3d twist_ = Eigen::Vector3d::Zero();  // last matched speed
+};
+
+}  // namespace slamfuse::laser_slam
