@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How accurate and how fast the laser SLAM is: one row a recording and seed, as Markdown. Truth, where there is some,
+// is found beside the recording: ground truth of an EuRoC folder, NAME.reference.txt and NAME.relations of
+// NAME.clf.bz2.
+//
+//   benchmark_laser_accuracy [--seeds N] [--threads N] [--set laser.key=value]... [--pictures DIR] RECORDING...
+
+#include <ctime>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "common/carmen_reference.hpp"
+#include "common/config.hpp"
+#include "common/recording.hpp"
+#include "common/relations.hpp"
+#include "common/trajectory_evaluation.hpp"
+#include "common/tum.hpp"
+#include "laser_slam/laser_slam.hpp"
+
+namespace slamfuse {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  int seeds = 5;
+  int first_seed = 1;
+  int threads = 2;
+  std::vector<std::string> settings;
+  std::string pictures;
+  std::vector<std::string> recordings;
+};
+
+/// A recording's laser and odometry messages in memory, and what is known of the truth.
+struct Input {
+  std::string name;
+  std::string laser;
+  common::LaserCalibration calibration;
+  std::vector<common::SensorMessage> messages;
+  common::Trajectory2 truth;      // of base_link
+  common::Trajectory2 reference;  // of the laser, at equal stamps
+  std::vector<common::PoseRelation> relations;
+};
+
+struct Run {
+  common::Trajectory2 online;
+  common::Trajectory2 final_path;
+  common::OccupancyGrid grid;
+  std::vector<common::Event> events;
+  double cpu_seconds = 0.0;
+  double peak_mb = 0.0;
+  int rejected = 0;
+};
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void reset_peak_memory() { std::ofstream("/proc/self/clear_refs") << "5"; }
+
+double memory_mb(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(key)) return std::stod(line.substr(key.size() + 1)) / 1024.0;
+  }
+  return 0.0;
+}
+
+/// NAME.reference.txt for NAME.clf.bz2 and the like.
+fs::path beside(const fs::path& recording, const std::string& ending) {
+  const std::string file = recording.filename().string();
+  return recording.parent_path() / (file.substr(0, file.find('.')) + ending);
+}
+
+common::Result<Input> load(const fs::path& path) {
+  auto recording = common::open_recording(path);
+  if (!recording) return tl::unexpected(recording.error());
+  const common::RecordingInfo& info = (*recording)->info();
+  if (info.calibration.lasers.empty()) return common::invalid_input(path.string() + ": no laser");
+  Input input;
+  input.name = path.filename().string();
+  input.laser = info.calibration.lasers.begin()->first;
+  input.calibration = info.calibration.lasers.begin()->second;
+  while (true) {
+    auto item = (*recording)->next();
+    if (!item) return tl::unexpected(item.error());
+    if (!*item) break;
+    auto* message = std::get_if<common::SensorMessage>(&**item);
+    if (message && !std::holds_alternative<common::Image>(*message)) input.messages.push_back(std::move(*message));
+  }
+  if (auto truth = common::read_ground_truth(path)) input.truth = std::move(*truth);
+  if (const fs::path file = beside(path, ".reference.txt"); fs::exists(file)) {
+    auto reference = common::read_carmen_reference(file);
+    if (!reference) return tl::unexpected(reference.error());
+    input.reference = std::move(*reference);
+  }
+  if (const fs::path file = beside(path, ".relations"); fs::exists(file)) {
+    auto relations = common::read_relations(file);
+    if (!relations) return tl::unexpected(relations.error());
+    input.relations = std::move(*relations);
+  }
+  return input;
+}
+
+common::Result<Run> run(const Input& input, const laser_slam::LaserSlamOptions& options, std::uint64_t seed,
+                        int threads) {
+  reset_peak_memory();
+  const double memory_before = memory_mb("VmRSS:");
+  const double began = cpu_seconds();
+  auto slam = laser_slam::LaserSlam::create(options, input.laser, input.calibration, seed, threads);
+  if (!slam) return tl::unexpected(slam.error());
+  Run result;
+  for (const common::SensorMessage& message : input.messages) {
+    const common::ProcessResult processed = (*slam)->process(message);
+    if (processed.rejected) ++result.rejected;
+    if (!processed.estimate) continue;
+    result.online.push_back({processed.estimate->stamp, processed.estimate->pose});
+    for (const common::Event& event : processed.estimate->events) result.events.push_back(event);
+  }
+  result.final_path = (*slam)->final_trajectory();
+  result.cpu_seconds = cpu_seconds() - began;
+  result.peak_mb = memory_mb("VmHWM:") - memory_before;
+  result.grid = (*slam)->grid();
+  return result;
+}
+
+std::string ate(const Input& input, const common::Trajectory2& path) {
+  common::EvaluationOptions options;
+  auto reference = &input.truth;
+  common::Trajectory2 estimate = path;
+  if (!input.reference.empty()) {
+    options.max_reference_gap = 0;
+    reference = &input.reference;
+    estimate = common::sensor_trajectory(path, common::to_pose2(input.calibration.T_base_laser));
+  }
+  if (reference->empty()) return "-";
+  const auto accuracy = common::evaluate_trajectory(estimate, *reference, options);
+  return accuracy ? fmt::format("{:.4f}", accuracy->ate_rmse_m) : "-";
+}
+
+std::string relation_errors(const Input& input, const common::Trajectory2& path) {
+  if (input.relations.empty()) return "-";
+  const auto accuracy = common::evaluate_relations(path, input.relations);
+  if (!accuracy) return "-";
+  return fmt::format("{:.4f} / {:.3f} / {:.4f}", accuracy->all.translation_m.mean, accuracy->all.rotation_deg.mean,
+                     accuracy->distant.translation_m.mean);
+}
+
+/// Walls black, free white, unknown gray; the final path in red.
+void draw(const Run& run, const fs::path& file) {
+  const common::OccupancyGrid& grid = run.grid;
+  cv::Mat picture(grid.height, grid.width, CV_8UC3, cv::Scalar(205, 205, 205));
+  for (int row = 0; row < grid.height; ++row) {
+    for (int column = 0; column < grid.width; ++column) {
+      const int value = grid.at(column, row);
+      if (value < 0) continue;
+      const auto gray = static_cast<std::uint8_t>(255 - 255 * value / 100);
+      picture.at<cv::Vec3b>(grid.height - 1 - row, column) = {gray, gray, gray};
+    }
+  }
+  for (const common::StampedPose2& pose : run.final_path) {
+    const Eigen::Vector2d cell = (pose.pose.translation() - grid.origin) / grid.resolution;
+    const cv::Point at(static_cast<int>(cell.x()), grid.height - 1 - static_cast<int>(cell.y()));
+    if (at.inside(cv::Rect(0, 0, picture.cols, picture.rows))) picture.at<cv::Vec3b>(at) = {0, 0, 255};
+  }
+  cv::imwrite(file.string(), picture);
+}
+
+int benchmark(const Arguments& arguments) {
+  laser_slam::LaserSlamOptions options;
+  const auto describe = [&](common::OptionVisitor& visit) { visit.nested("laser", options, "Laser SLAM."); };
+  for (const std::string& setting : arguments.settings) {
+    if (auto set = common::set_option(setting, describe); !set) {
+      fmt::print(stderr, "{}\n", set.error().message);
+      return 2;
+    }
+  }
+  fmt::print(
+      "| recording | seed | ATE online m | ATE final m | relations online m / deg / distant m | relations final | "
+      "loops | "
+      "other events | CPU s | peak MB |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& path : arguments.recordings) {
+    const auto input = load(path);
+    if (!input) {
+      fmt::print(stderr, "{}\n", input.error().message);
+      return 3;
+    }
+    for (int seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
+      const auto result = run(*input, options, static_cast<std::uint64_t>(seed), arguments.threads);
+      if (!result) {
+        fmt::print(stderr, "{}\n", result.error().message);
+        return 3;
+      }
+      const auto loops = std::count_if(result->events.begin(), result->events.end(),
+                                       [](const common::Event& event) { return event.kind == "loop_closed"; });
+      fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.1f} | {:.0f} |\n", input->name, seed,
+                 ate(*input, result->online), ate(*input, result->final_path), relation_errors(*input, result->online),
+                 relation_errors(*input, result->final_path), loops,
+                 result->events.size() - static_cast<std::size_t>(loops), result->cpu_seconds, result->peak_mb);
+      std::fflush(stdout);
+      if (arguments.pictures.empty()) continue;
+      const fs::path stem = fs::path(arguments.pictures) / fmt::format("{}-{}", input->name, seed);
+      draw(*result, stem.string() + ".png");
+      if (auto written = common::write_tum(stem.string() + ".final.tum", result->final_path); !written) {
+        fmt::print(stderr, "{}\n", written.error().message);
+      }
+      for (const common::Event& event : result->events) {
+        fmt::print(stderr, "{} {} {}\n", common::format_seconds(event.stamp), event.kind, event.detail);
+      }
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace slamfuse
+
+int main(int argc, char** argv) {
+  slamfuse::Arguments arguments;
+  CLI::App app("Accuracy and cost of the laser SLAM");
+  app.add_option("--seeds", arguments.seeds, "how many seeds");
+  app.add_option("--first-seed", arguments.first_seed, "the first of them");
+  app.add_option("--threads", arguments.threads, "worker threads");
+  app.add_option("--set", arguments.settings, "laser.key=value")->allow_extra_args(false);
+  app.add_option("--pictures", arguments.pictures, "folder for maps and paths");
+  app.add_option("recordings", arguments.recordings, "recordings")->required();
+  CLI11_PARSE(app, argc, argv);
+  return slamfuse::benchmark(arguments);
+}
