@@ -8,6 +8,7 @@
 #include "common/byte_source.hpp"
 #include "common/carmen_recording.hpp"
 #include "common/euroc_recording.hpp"
+#include "common/rawlog_recording.hpp"
 
 namespace slamfuse::common {
 namespace {
@@ -47,6 +48,7 @@ Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& p
   if (!beginning) return tl::unexpected(beginning.error());
   if (beginning->empty()) return invalid_input(path.string() + ": empty file");
   if (is_carmen_log(*beginning)) return open_carmen_recording(path);
+  if (is_rawlog(*beginning)) return open_rawlog_recording(path);
   return invalid_input(path.string() + ": not a known recording (known: " + kKnownFormats + ")");
 }
 
