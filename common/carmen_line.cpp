@@ -6,8 +6,6 @@
 #include <string>
 
 #include "common/angle.hpp"
-#include "common/number_text.hpp"
-#include "common/quote.hpp"
 #include "common/text_fields.hpp"
 
 namespace slamfuse::common {
@@ -24,7 +22,7 @@ class WordReader {
 
   double number() {
     const std::string_view word = next();
-    const std::optional<double> value = parse_finite(word);
+    const std::optional<double> value = parse_real(word);
     if (!value) refuse(word, "a finite number");
     return value.value_or(0.0);
   }
@@ -86,7 +84,7 @@ class WordReader {
 
   void refuse(std::string_view word, const std::string& allowed) {
     if (!problem_.empty()) return;
-    problem_ = std::string(words_.front()) + " with " + quote(word) + " as word " + std::to_string(at_) +
+    problem_ = std::string(words_.front()) + " with " + in_quotes(word) + " as word " + std::to_string(at_) +
                " (allowed: " + allowed + ")";
   }
 

@@ -16,8 +16,6 @@
 #include "common/carmen_reference.hpp"
 #include "common/laser_reading.hpp"
 #include "common/line_reader.hpp"
-#include "common/number_text.hpp"
-#include "common/quote.hpp"
 #include "common/recording_span.hpp"
 #include "common/text_fields.hpp"
 
@@ -84,7 +82,7 @@ struct Survey {
 
 void add_parameter(const std::vector<std::string_view>& words, Survey& survey) {
   if (words.size() < 3) return;
-  const std::optional<double> value = parse_finite(words[2]);
+  const std::optional<double> value = parse_real(words[2]);
   if (!value) return;
   if (words[1] == "robot_frontlaser_offset") survey.front_laser_offset = *value;
   if (words[1] == "robot_front_laser_max" && *value > 0.0) survey.front_laser_max = *value;
@@ -155,7 +153,7 @@ class CarmenRecording final : public Recording {
     }
     split_at_blanks((*line)->text, words_);
     if (words_.empty() || words_.front().front() == '#') return;
-    if (!is_keyword(words_.front())) return reject(where + quote((*line)->text) + " is not a CARMEN message");
+    if (!is_keyword(words_.front())) return reject(where + in_quotes((*line)->text) + " is not a CARMEN message");
     if (scan_kind(words_.front()) != kind_) return;
 
     const Result<CarmenScan> scan = parse_scan(kind_, words_);

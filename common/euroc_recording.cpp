@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "common/euroc_rows.hpp"
-#include "common/number_text.hpp"
 #include "common/recording_span.hpp"
 #include "common/sensor_yaml.hpp"
 #include "common/stamped_csv.hpp"
@@ -225,7 +224,7 @@ Result<Trajectory2> read_euroc_ground_truth(const std::filesystem::path& path) {
     split_at_commas((*row)->text, fields);
     std::array<double, kPoseColumns - 1> n{};
     for (std::size_t i = 0; i < n.size(); ++i) {
-      const std::optional<double> number = i < fields.size() ? parse_finite(fields[i]) : std::nullopt;
+      const std::optional<double> number = i < fields.size() ? parse_real(fields[i]) : std::nullopt;
       if (!number) {
         return invalid_input(where + "value " + std::to_string(i + 1) +
                              " behind the stamp (expected: a position and a " + "quaternion w, x, y, z)");

@@ -10,8 +10,6 @@
 #include "common/angle.hpp"
 #include "common/image_decoder.hpp"
 #include "common/laser_reading.hpp"
-#include "common/number_text.hpp"
-#include "common/quote.hpp"
 #include "common/text_fields.hpp"
 
 namespace slamfuse::common {
@@ -23,9 +21,9 @@ Result<std::vector<double>> read_numbers(const StampedRow& row) {
   std::vector<double> numbers;
   numbers.reserve(fields.size());
   for (const std::string_view field : fields) {
-    const std::optional<double> number = parse_finite(field);
+    const std::optional<double> number = parse_real(field);
     if (!number) {
-      return invalid_input("value " + std::to_string(numbers.size() + 1) + " behind the stamp is " + quote(field) +
+      return invalid_input("value " + std::to_string(numbers.size() + 1) + " behind the stamp is " + in_quotes(field) +
                            " (allowed: finite numbers)");
     }
     numbers.push_back(*number);
@@ -74,7 +72,7 @@ Result<SensorMessage> read_camera_row(const StampedRow& row, const std::string& 
   const std::filesystem::path name(fields.front());
   if (name.empty() || name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end() ||
       fields.front().find('\0') != std::string_view::npos) {
-    return invalid_input("file name " + quote(fields.front()) + " (allowed: a file inside the sensor's data folder)");
+    return invalid_input("file name " + in_quotes(fields.front()) + " (allowed: a file inside the sensor's data folder)");
   }
   Result<GrayImage> image = read_gray_image(folder / name, ImageSize{camera.width, camera.height});
   if (!image) return tl::unexpected(image.error());

@@ -13,8 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/number_text.hpp"
-#include "common/quote.hpp"
 #include "common/text_fields.hpp"
 
 namespace slamfuse::common {
@@ -99,7 +97,7 @@ class SensorYaml {
 
  private:
   [[noreturn]] void refuse(const YAML::Node& node, const std::string& key, const std::string& allowed) const {
-    const std::string value = node.IsScalar() ? " is " + quote(node.Scalar()) : " is not usable";
+    const std::string value = node.IsScalar() ? " is " + in_quotes(node.Scalar()) : " is not usable";
     throw YamlError{path_ + ":" + std::to_string(node.Mark().line + 1) + ": " + key + value + " (allowed: " + allowed +
                     ")"};
   }
@@ -118,7 +116,7 @@ class SensorYaml {
   }
 
   double number(const YAML::Node& node, const std::string& key, double min, double max) const {
-    const std::optional<double> value = node.IsScalar() ? parse_finite(node.Scalar()) : std::nullopt;
+    const std::optional<double> value = node.IsScalar() ? parse_real(node.Scalar()) : std::nullopt;
     if (!value) refuse(node, key, "a finite number");
     if (*value < min || *value > max) {
       refuse(node, key, max == kMost ? "at least " + shown(min) : shown(min) + " to " + shown(max));

@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "common/quote.hpp"
 #include "common/text_fields.hpp"
 
 namespace slamfuse::common {
@@ -33,7 +32,7 @@ Result<void> check_header(const std::string& where, std::string_view header, con
     if (i >= fields.size() && i >= columns.required) break;
     if (i >= fields.size() || !names_column(fields[i], columns.names[i])) {
       return invalid_input(where + ": column " + std::to_string(i + 1) + " is " +
-                           (i < fields.size() ? quote(fields[i]) : "missing") + " (expected: " + listed(columns) + ")");
+                           (i < fields.size() ? in_quotes(fields[i]) : "missing") + " (expected: " + listed(columns) + ")");
     }
   }
   return {};
@@ -92,7 +91,7 @@ Result<std::optional<StampedCsv::RawRow>> StampedCsv::read_raw_row() {
     row.stamp = parse_integer(stamp);
     if (!row.stamp || *row.stamp < 0 || *row.stamp > kLatestStamp) {
       row.stamp.reset();
-      row.problem = "stamp " + quote(stamp) + " (allowed: nanoseconds from 0 to " + std::to_string(kLatestStamp) + ")";
+      row.problem = "stamp " + in_quotes(stamp) + " (allowed: nanoseconds from 0 to " + std::to_string(kLatestStamp) + ")";
     }
     if (comma != std::string_view::npos) row.text = text.substr(comma + 1);
     return row;
