@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/calibration.hpp"
 
+#include <array>
+#include <cmath>
+
 #include <Eigen/LU>
 
 namespace slamfuse::common {
@@ -17,16 +20,32 @@ Radial radial(const CameraCalibration& camera, double r2) {
           camera.k1 + r2 * (2.0 * camera.k2 + r2 * 3.0 * camera.k3)};
 }
 
+/// Whether the distorted radius grows all the way out to r^2 = u, so that nothing from outside folds into the image:
+/// its slope d(r * factor)/dr = 1 + 3 k1 u + 5 k2 u^2 + 7 k3 u^3 is positive at u and at the extrema on the way there.
+bool radius_grows_up_to(const CameraCalibration& camera, double u) {
+  const auto slope = [&](double at) {
+    return 1.0 + at * (3.0 * camera.k1 + at * (5.0 * camera.k2 + at * 7.0 * camera.k3));
+  };
+  if (!(slope(u) > 0.0)) return false;
+  // The extrema solve a u^2 + b u + c = 0. In this form of the roots a = 0 gives the single root and an infinity.
+  const double a = 21.0 * camera.k3;
+  const double b = 10.0 * camera.k2;
+  const double c = 3.0 * camera.k1;
+  const double discriminant = b * b - 4.0 * a * c;
+  if (discriminant < 0.0) return true;
+  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+  for (const double extremum : std::array{q / a, c / q}) {
+    if (extremum > 0.0 && extremum < u && !(slope(extremum) > 0.0)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector2d> CameraCalibration::project(const Eigen::Vector3d& point) const {
   if (!(point.z() > 1e-9)) return std::nullopt;
   const Eigen::Vector2d normalized = point.head<2>() / point.z();
-  const double r2 = normalized.squaredNorm();
-  // d(r * factor)/dr: where it is not positive the polynomial has turned back and a far point would fold into the
-  // image.
-  const auto [factor, slope] = radial(*this, r2);
-  if (factor + 2.0 * r2 * slope <= 0.0) return std::nullopt;
+  if (!radius_grows_up_to(*this, normalized.squaredNorm())) return std::nullopt;
   return distort(normalized);
 }
 

@@ -19,7 +19,9 @@ struct TurnFactors {
 
 TurnFactors turn_factors(double turn) {
   if (std::abs(turn) < kSmallTurn) return {1.0 - turn * turn / 6.0, turn / 2.0 - turn * turn * turn / 24.0};
-  return {std::sin(turn) / turn, (1.0 - std::cos(turn)) / turn};
+  // 1 - cos t = 2 sin^2(t/2) without the cancellation.
+  const double half = std::sin(turn / 2.0);
+  return {std::sin(turn) / turn, 2.0 * half * half / turn};
 }
 
 }  // namespace

@@ -2,11 +2,21 @@
 #include "common/similarity2.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "common/angle.hpp"
 
 namespace slamfuse::common {
+namespace {
+
+/// Relative to the size of the coordinates, what is smaller than this is rounding.
+constexpr double kRounding = 1e-12;
+
+/// Whether weighted points with this sum of squared distances from their mean all stand in one place.
+bool coincide(double squared_spread, double total_weight, const Eigen::Vector2d& mean) {
+  return !(std::sqrt(squared_spread / total_weight) > kRounding * mean.norm()) || !(squared_spread > 0.0);
+}
+
+}  // namespace
 
 Eigen::Vector2d Similarity2::operator*(const Eigen::Vector2d& point) const {
   return scale * (pose.rotation() * point) + pose.translation();
@@ -52,19 +62,23 @@ std::optional<Similarity2> fit_similarity(std::span<const Eigen::Vector2d> sourc
   // In the plane the singular value decomposition of Umeyama reduces to the angle of one complex correlation.
   double along = 0.0;
   double across = 0.0;
-  double source_variance = 0.0;
+  double source_spread = 0.0;
+  double target_spread = 0.0;
   for (std::size_t i = 0; i < source.size(); ++i) {
     const Eigen::Vector2d s = source[i] - source_mean;
     const Eigen::Vector2d t = target[i] - target_mean;
     along += weight(i) * s.dot(t);
     across += weight(i) * (s.x() * t.y() - s.y() * t.x());
-    source_variance += weight(i) * s.squaredNorm();
+    source_spread += weight(i) * s.squaredNorm();
+    target_spread += weight(i) * t.squaredNorm();
   }
   const double correlation = std::hypot(along, across);
-  if (!(source_variance > 0.0) || !(correlation > std::numeric_limits<double>::min())) return std::nullopt;
+  if (coincide(source_spread, total, source_mean) || coincide(target_spread, total, target_mean)) return std::nullopt;
+  // Without correlation (a mirrored circle) every angle fits equally badly.
+  if (!(correlation > kRounding * std::sqrt(source_spread * target_spread))) return std::nullopt;
 
   Similarity2 result;
-  result.scale = group == FitGroup::kSimilarity ? correlation / source_variance : 1.0;
+  result.scale = group == FitGroup::kSimilarity ? correlation / source_spread : 1.0;
   result.pose.theta = normalize_angle(std::atan2(across, along));
   const Eigen::Vector2d translation = target_mean - result.scale * (result.pose.rotation() * source_mean);
   result.pose.x = translation.x();

@@ -31,8 +31,8 @@ enum class FitGroup {
 };
 
 /// The transform T minimising sum_i w_i |target_i - T source_i|^2 in closed form (Umeyama 1991). `weights` is empty
-/// (all one) or as long as the points. Returns nothing for fewer than two points, lengths that differ, or points that
-/// all coincide.
+/// (all one) or as long as the points. Returns nothing for fewer than two points, lengths that differ, points that all
+/// coincide on either side, or points without any correlation (a mirrored circle), for which every angle is as good.
 std::optional<Similarity2> fit_similarity(std::span<const Eigen::Vector2d> source,
                                           std::span<const Eigen::Vector2d> target, FitGroup group,
                                           std::span<const double> weights = {});
