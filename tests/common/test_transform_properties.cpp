@@ -79,7 +79,7 @@ double magnitude(const Similarity2& t) {
 void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
   EXPECT_NEAR(a.x, b.x, tolerance);
   EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(angle_difference(a.theta, b.theta), 0.0, std::max(kTolerance, 1e-15 * tolerance / kTolerance));
+  EXPECT_NEAR(angle_difference(a.theta, b.theta), 0.0, kTolerance);
 }
 void expect_near(const Pose3& a, const Pose3& b, double tolerance) {
   EXPECT_NEAR((a.translation - b.translation).norm(), 0.0, tolerance);
