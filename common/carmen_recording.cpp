@@ -129,7 +129,8 @@ class CarmenRecording final : public Recording {
         kind_(kind),
         beams_(beams),
         laser_(info_.calibration.lasers.at(kLaserName)),
-        lines_(std::move(lines)) {}
+        lines_(std::move(lines)),
+        last_stamp_(info_.first_stamp) {}
 
   const RecordingInfo& info() const override { return info_; }
 
@@ -186,7 +187,7 @@ class CarmenRecording final : public Recording {
   LineReader lines_;
   std::vector<std::string_view> words_;
   std::deque<RecordingItem> ready_;  ///< messages of the last line read
-  Nanoseconds last_stamp_ = 0;
+  Nanoseconds last_stamp_;
   bool ended_ = false;
 };
 

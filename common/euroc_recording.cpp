@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/euroc_recording.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -168,14 +170,14 @@ class EurocRecording final : public Recording {
   }
 
  private:
-  static RecordingItem item_from(const Sensor& sensor, const StampedRow& row) {
+  RecordingItem item_from(const Sensor& sensor, const StampedRow& row) const {
     std::string problem = row.problem;
     if (problem.empty()) {
       Result<SensorMessage> message = sensor.read_row(row);
       if (message) return std::move(*message);
       problem = message.error().message;
     }
-    return RejectedMessage{row.stamp, sensor.name,
+    return RejectedMessage{std::max(row.stamp, info_.first_stamp), sensor.name,
                            sensor.csv.path().string() + ":" + std::to_string(row.line) + ": " + problem};
   }
 

@@ -72,7 +72,8 @@ Result<SensorMessage> read_camera_row(const StampedRow& row, const std::string& 
   const std::filesystem::path name(fields.front());
   if (name.empty() || name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end() ||
       fields.front().find('\0') != std::string_view::npos) {
-    return invalid_input("file name " + in_quotes(fields.front()) + " (allowed: a file inside the sensor's data folder)");
+    return invalid_input("file name " + in_quotes(fields.front()) +
+                         " (allowed: a file inside the sensor's data folder)");
   }
   Result<GrayImage> image = read_gray_image(folder / name, ImageSize{camera.width, camera.height});
   if (!image) return tl::unexpected(image.error());

@@ -10,7 +10,7 @@
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/CSerializable.h>
 
-#include <array>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -22,7 +22,9 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "common/angle.hpp"
 #include "common/byte_source.hpp"
@@ -132,6 +134,15 @@ bool same_geometry(const LaserCalibration& a, const LaserCalibration& b) {
          change.rotation.vec().norm() < kGeometryTolerance;
 }
 
+/// What an exception says, without the place in MRPT's sources and the call stack that MRPT adds.
+std::string told_by(const std::exception& error) {
+  const std::string_view text = error.what();
+  constexpr std::string_view kLabel = "Message:";
+  const std::size_t label = text.find(kLabel);
+  const std::size_t begin = label == std::string_view::npos ? 0 : text.find_first_not_of(' ', label + kLabel.size());
+  return std::string(text.substr(std::min(begin, text.size()), text.find('\n', begin) - begin));
+}
+
 /// The entries of a rawlog as messages, front to back.
 class RawlogReader {
  public:
@@ -166,10 +177,8 @@ class RawlogReader {
       }
     } catch (const std::exception& error) {
       ended_ = true;
-      // MRPT appends a call stack to its messages; the first line tells.
-      const std::string what = error.what();
-      reject(kOdometryName, last_stamp_,
-             "damaged or ends early, nothing behind can be read: " + what.substr(0, what.find('\n')));
+      reject(last_sensor_, last_stamp_,
+             "damaged, cut short or of a kind MRPT does not know, nothing behind it can be read: " + told_by(error));
     }
   }
 
@@ -311,7 +320,16 @@ class RawlogRecording final : public Recording {
  public:
   RawlogRecording(RecordingInfo info, RawlogReader reader) : info_(std::move(info)), reader_(std::move(reader)) {}
   const RecordingInfo& info() const override { return info_; }
-  Result<std::optional<RecordingItem>> next() override { return reader_.next(); }
+
+  Result<std::optional<RecordingItem>> next() override {
+    std::optional<RecordingItem> item = reader_.next();
+    if (item) {
+      if (auto* rejected = std::get_if<RejectedMessage>(&*item)) {
+        rejected->stamp = std::max(rejected->stamp, info_.first_stamp);
+      }
+    }
+    return item;
+  }
 
  private:
   RecordingInfo info_;
@@ -320,7 +338,6 @@ class RawlogRecording final : public Recording {
 
 /// Reads all messages and fills in what `info` says of them. Returns the reason of the last rejected one.
 std::string survey(RawlogReader& reader, RecordingInfo& info) {
-  Nanoseconds last = 0;
   std::string rejected;
   while (const std::optional<RecordingItem> item = reader.next()) {
     if (const auto* bad = std::get_if<RejectedMessage>(&*item)) {
@@ -332,8 +349,6 @@ std::string survey(RawlogReader& reader, RecordingInfo& info) {
     sensor.kind = std::holds_alternative<LaserScan>(message) ? SensorKind::kLaser : SensorKind::kOdometry;
     sensor.last_stamp = stamp_of(message);
     if (sensor.messages++ == 0) sensor.first_stamp = sensor.last_stamp;
-    info.stamp_ordered = info.stamp_ordered && sensor.last_stamp >= last;
-    last = sensor.last_stamp;
   }
   info.calibration.lasers = reader.lasers();
   return rejected;

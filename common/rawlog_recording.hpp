@@ -16,8 +16,8 @@ bool is_rawlog(std::string_view beginning);
 
 /// Opens an MRPT rawlog, plain or gzip, in the action/observation or the observation-only format. The file is read
 /// through once here. Planar range scans come as "laser0", "laser1", ... in the order in which their labels appear,
-/// odometry as "odom0"; all else (images, inertial units, GPS, ...) is left alone. Messages come in file order;
-/// RecordingInfo::stamp_ordered tells whether that is also the order of stamps. Where the data is damaged or ends early
+/// odometry as "odom0"; all else (images, inertial units, GPS, ...) is left alone. Messages come in file order, the
+/// stamps of each sensor rising (what does not is rejected). Where the data is damaged or ends early
 /// nothing behind can be found again, so the last message is then a RejectedMessage that says so. See
 /// common/RECORDINGS.md for the conversions. Errors (kInvalidInput): unreadable, no scan and no odometry.
 Result<std::unique_ptr<Recording>> open_rawlog_recording(const std::filesystem::path& path);

@@ -8,6 +8,7 @@
 #include "common/byte_source.hpp"
 #include "common/carmen_recording.hpp"
 #include "common/euroc_recording.hpp"
+#include "common/image_folder_recording.hpp"
 #include "common/rawlog_recording.hpp"
 
 namespace slamfuse::common {
@@ -41,6 +42,10 @@ Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& p
   if (!std::filesystem::exists(status)) return invalid_input(path.string() + ": no such file or folder");
   if (std::filesystem::is_directory(status)) {
     if (is_euroc_folder(path)) return open_euroc_recording(path);
+    if (is_image_folder(path)) return open_image_folder_recording(path);
+    if (std::filesystem::exists(path / "sensor.yaml", code)) {
+      return invalid_input(path.string() + ": one sensor of an EuRoC/ASL folder (open the folder that holds it)");
+    }
     return invalid_input(path.string() + ": not a known recording (known: " + kKnownFormats + ")");
   }
 

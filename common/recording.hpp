@@ -21,7 +21,7 @@ namespace slamfuse::common {
 /// A message that was in the recording but cannot be used: a cut image, an impossible scan, a stamp that repeats. It is
 /// dropped, counted and told; the run goes on.
 struct RejectedMessage {
-  Nanoseconds stamp = 0;  ///< as far as known, else that of the last good message
+  Nanoseconds stamp = 0;  ///< as far as known, else that of the last good message, else the recording's first
   std::string sensor;
   std::string reason;  ///< file and line, the value, what is allowed
 };
@@ -33,7 +33,7 @@ enum class SensorKind { kOdometry, kLaser, kCamera, kImu };
 /// What a recording knows of one of its sensors without reading all of it.
 struct SensorInfo {
   SensorKind kind = SensorKind::kLaser;
-  std::size_t messages = 0;
+  std::size_t messages = 0;  ///< with a usable stamp; some may still be rejected when their turn comes
   Nanoseconds first_stamp = 0;
   Nanoseconds last_stamp = 0;
 };
@@ -43,14 +43,15 @@ struct RecordingInfo {
   std::string format;  ///< "euroc", "carmen", "rawlog", "images"
   std::map<std::string, SensorInfo> sensors;
   Calibration calibration;
-  /// Whether messages come in the order of their stamps. A CARMEN log comes in file order and stamps may step back.
+  /// Whether stamps tell the true order: those of every sensor rise. A CARMEN log comes in file order, which is the
+  /// true one, while its stamps may repeat and step back. (Late arrival, see replay.hpp, does not change this.)
   bool stamp_ordered = true;
   Nanoseconds first_stamp = 0;  ///< smallest over all sensors
   Nanoseconds last_stamp = 0;   ///< largest over all sensors
 };
 
-/// A recording being read from front to back, lazily, all sensors merged in time order (or file order, see
-/// RecordingInfo).
+/// A recording being read from front to back, lazily, all sensors merged in time order (or in file order where the
+/// format is one file).
 class Recording {
  public:
   virtual ~Recording() = default;
@@ -64,8 +65,9 @@ class Recording {
 /// format, no sensor with a message, sensors that have no time in common.
 Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& path);
 
-/// True poses of base_link that lie beside the recording, empty when there are none. For evaluation only: never hand
-/// them to an estimator.
+/// True poses of base_link that lie beside the recording (`state_groundtruth_estimate0` of an EuRoC folder, the
+/// `NAME.reference.txt` of a CARMEN log), empty when there are none. For evaluation only: never hand them to an
+/// estimator. Error (kInvalidInput): they are there and cannot be read.
 Result<Trajectory2> read_ground_truth(const std::filesystem::path& path);
 
 }  // namespace slamfuse::common
