@@ -176,13 +176,13 @@ Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& 
 
 /// Why the alignment must not be used; empty when nothing speaks against it.
 std::string objection(const Alignment& alignment, const Spread& spread, const AlignmentOptions& options) {
-  if (!alignment.reason.empty()) return alignment.reason;
   if (alignment.straightness_ratio < options.min_straightness_ratio) {
     return fmt::format(
         "the path is too straight to fix the angle and both scales: its spread is {:.3f} m across and "
         "{:.3f} m along, ratio {:.4f}, needed {:.4f}",
         spread.narrow, spread.wide, alignment.straightness_ratio, options.min_straightness_ratio);
   }
+  if (!alignment.reason.empty()) return alignment.reason;
   if (alignment.runner_up_ratio < options.min_runner_up_ratio) {
     return fmt::format(
         "the angle is ambiguous: another angle, at least {:.0f} deg away, fits almost as well (ratio of "
@@ -243,7 +243,7 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   const Spread spread = spread_of(pairs, trusted);
   std::vector<AlignmentMethod> methods = {options.method};
   if (options.method == AlignmentMethod::kAuto) {
-    methods = {AlignmentMethod::kSimilarity, AlignmentMethod::kAffine, AlignmentMethod::kSeed004};
+    methods = {AlignmentMethod::kSimilarity, AlignmentMethod::kAffine};
   }
   std::optional<Alignment> best;
   for (const AlignmentMethod method : methods) {

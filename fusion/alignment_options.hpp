@@ -15,7 +15,7 @@ enum class AlignmentMethod {
   kSeed004,     ///< the paper's image-like pipeline
   kSimilarity,  ///< robust rotation, shift and one scale
   kAffine,      ///< robust affine map: a scale per axis
-  kAuto,        ///< whichever of the three has the smallest held-out error
+  kAuto,        ///< similarity or affine, whichever has the smaller held-out error
 };
 
 /// The word for a method in configuration, metrics.json and map.yaml.
@@ -23,7 +23,7 @@ std::string to_string(AlignmentMethod method);
 
 /// When an alignment is trusted, and how it is made.
 struct AlignmentOptions {
-  AlignmentMethod method = AlignmentMethod::kSimilarity;
+  AlignmentMethod method = AlignmentMethod::kAuto;
   int min_pairs = 20;
   double min_path = 1.0;
   double min_straightness_ratio = 0.05;
@@ -37,11 +37,12 @@ struct AlignmentOptions {
 
   void describe(common::OptionVisitor& visit) {
     visit.choice("method", method,
-                 {{"similarity", AlignmentMethod::kSimilarity},
+                 {{"auto", AlignmentMethod::kAuto},
+                  {"similarity", AlignmentMethod::kSimilarity},
                   {"affine", AlignmentMethod::kAffine},
-                  {"seed004", AlignmentMethod::kSeed004},
-                  {"auto", AlignmentMethod::kAuto}},
-                 "How the map between the frames is found; auto takes the smallest held-out error.");
+                  {"seed004", AlignmentMethod::kSeed004}},
+                 "How the map between the frames is found; auto: similarity or affine, whichever has the smaller "
+                 "held-out error.");
     visit.integer("min_pairs", min_pairs, {6, 100000}, "", "Fewer pairs are refused.");
     visit.real("min_path", min_path, {0.0, 1000.0}, "m", "A shorter laser path within the pairs is refused.");
     visit.real("min_straightness_ratio", min_straightness_ratio, {0.0, 1.0}, "",

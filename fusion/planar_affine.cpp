@@ -6,6 +6,13 @@
 #include <Eigen/LU>
 
 namespace slamfuse::fusion {
+namespace {
+
+/// How much closer to a right angle (cosine) the images of the target's axes must be before the stretch is put on them:
+/// near quarter turns, and for equal scales, both are right and the visual map's axes are the ones to name.
+constexpr double kClearlySquarer = 0.003;
+
+}  // namespace
 
 PlanarAffine PlanarAffine::operator*(const PlanarAffine& other) const {
   return {linear * other.linear, *this * other.translation};
@@ -39,7 +46,7 @@ AffineParts take_apart(const PlanarAffine& affine) {
   const Eigen::Vector2d rows = a.rowwise().norm();
   const double column_cosine = std::abs(a.col(0).dot(a.col(1))) / columns.prod();
   const double row_cosine = std::abs(a.row(0).dot(a.row(1))) / rows.prod();
-  parts.scale_along_target_axes = row_cosine < column_cosine;
+  parts.scale_along_target_axes = row_cosine + kClearlySquarer < column_cosine;
   parts.scale = parts.scale_along_target_axes ? rows : columns;
   return parts;
 }

@@ -16,8 +16,11 @@
 namespace slamfuse::fusion {
 namespace {
 
-/// The median of a Rayleigh distribution is this many standard deviations of one coordinate.
-constexpr double kRayleighMedian = 1.1774100225154747;
+/// The noise is measured at this quantile of the residuals. Less than the median, so that half of the pairs and
+/// somewhat more may be outliers.
+constexpr double kQuantile = 0.4;
+/// That quantile of a Rayleigh distribution [standard deviations of one coordinate]: sqrt(-2 ln(1 - kQuantile)).
+constexpr double kRayleighQuantile = 1.0107676525947897;
 /// Tukey's constant for 95 % efficiency on normal residuals [standard deviations].
 constexpr double kTukeyConstant = 4.685;
 /// Noise below this part of the path's extent is rounding.
@@ -148,9 +151,9 @@ void squared_residuals(const CentredPaths& paths, const PlanarAffine& map, std::
 
 /// Robust standard deviation of one coordinate; partially sorts `squares`.
 double sigma_of(std::vector<double>& squares, double floor) {
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::max(std::sqrt(*middle) / kRayleighMedian, floor);
+  const auto place = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(squares.size()));
+  std::nth_element(squares.begin(), squares.begin() + place, squares.end());
+  return std::max(std::sqrt(squares[static_cast<std::size_t>(place)]) / kRayleighQuantile, floor);
 }
 
 /// Mean of the squared residuals, each cut off at `bound`.
@@ -219,6 +222,21 @@ std::optional<PlanarAffine> weighted_fit(const CentredPaths& paths, const std::v
   const PlanarAffine map = to_map(basis * solver.solve(basis.transpose() * equations.right));
   if (!map.is_finite() || map.linear.determinant() <= 0.0) return std::nullopt;
   return map;
+}
+
+/// The same of the residuals within `bound_sigmas` of it, repeated until it settles: the quantile of all residuals lies
+/// in the tail of the good ones where many are outliers.
+double inlier_sigma(std::vector<double> squares, double sigma, double bound_sigmas, double floor) {
+  constexpr int kRounds = 5;
+  for (int n = 0; n < kRounds; ++n) {
+    const double bound = bound_sigmas * bound_sigmas * sigma * sigma;
+    std::erase_if(squares, [&](double square) { return square > bound; });
+    if (squares.empty()) return sigma;
+    const double next = sigma_of(squares, floor);
+    if (next >= sigma) return sigma;
+    sigma = next;
+  }
+  return sigma;
 }
 
 double tukey_weight(double square, double sigma) {
@@ -348,6 +366,9 @@ std::optional<RobustFit> fit_robust(const std::vector<PosePair>& pairs, RobustMo
 
   RobustFit fit;
   PlanarAffine map = refine(paths, *best, basis, options.iterations, sigma_floor, sigma);
+  squared_residuals(paths, map, squares);
+  sigma = inlier_sigma(squares, sigma, options.inlier_sigmas, sigma_floor);
+  map = refine(paths, map, basis, options.iterations, sigma_floor, sigma);
   fit.sigma = sigma;
   const double bound = options.inlier_sigmas * options.inlier_sigmas * sigma * sigma;
   squared_residuals(paths, map, squares);

@@ -50,7 +50,7 @@ struct RobustFit {
   double runner_up_loss = 0.0;
 };
 
-/// Random sample consensus (least median of squares, so no noise level need be known), then iterated least squares
+/// Random sample consensus (least quantile of squares, so no noise level need be known), then iterated least squares
 /// with Tukey's weights. Deterministic in the pairs and the seed. Returns nothing where no sample gives a map, e.g.
 /// fewer than three pairs or points that coincide. `runner_up_separation` in radians.
 std::optional<RobustFit> fit_robust(const std::vector<PosePair>& pairs, RobustModel model,
