@@ -22,6 +22,7 @@ constexpr std::uintmax_t kLargestFile = 1U << 20;
 constexpr int kMostBeams = 100'000;
 constexpr int kLargestSide = 32'768;         ///< [px]
 constexpr double kLongestSweep = 10.0;       ///< [s]
+constexpr double kLongestReadout = 1.0;      ///< [s]
 constexpr double kLongestRange = 100'000.0;  ///< [m]
 constexpr double kLowestRate = 0.001;        ///< [Hz]
 constexpr double kHighestRate = 100'000.0;   ///< [Hz]
@@ -145,6 +146,17 @@ class SensorYaml {
   YAML::Node root_;
 };
 
+/// The readout time [s] in a shutter's description such as "rolling, 0.016 s from the first row to the last; ...". 0
+/// for any other description: a global shutter, or words this reader does not know.
+double readout_of(const std::string& shutter) {
+  const std::string rolling = "rolling, ";
+  if (shutter.rfind(rolling, 0) != 0) return 0.0;
+  const std::size_t end = shutter.find(" s", rolling.size());
+  if (end == std::string::npos) return 0.0;
+  const std::optional<double> readout = parse_finite(shutter.substr(rolling.size(), end - rolling.size()));
+  return readout && *readout > 0.0 && *readout < kLongestReadout ? *readout : 0.0;
+}
+
 CameraYaml camera_from(const SensorYaml& yaml) {
   yaml.expect("sensor_type", {"camera"});
   yaml.expect("camera_model", {"pinhole"});
@@ -170,6 +182,7 @@ CameraYaml camera_from(const SensorYaml& yaml) {
   calibration.p2 = distortion[3];
   calibration.k3 = distortion.size() > 4 ? distortion[4] : 0.0;
 
+  if (yaml.has("shutter")) calibration.readout = readout_of(yaml.word("shutter"));
   if (yaml.has("rate_hz")) camera.rate_hz = yaml.real("rate_hz", kLowestRate, kHighestRate);
   return camera;
 }

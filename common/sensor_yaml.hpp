@@ -17,7 +17,8 @@ struct CameraYaml {
 
 /// Reads a camera's `sensor.yaml`: `T_BS` (4x4 row-major under `data`, T_base_camera), `resolution` [px], `intrinsics`
 /// (fu, fv, cu, cv [px]), `distortion_coefficients` (k1, k2, p1, p2 and perhaps k3), `camera_model` pinhole and
-/// `distortion_model` radial-tangential where given. Keys that only inform (comment, shutter, ...) are left alone.
+/// `distortion_model` radial-tangential where given, and the readout time from a `shutter` that starts with
+/// "rolling, <seconds> s". Other keys (comment, ...) are left alone.
 /// Error (kInvalidInput) naming file, line, key and what is allowed: unreadable, a key missing or wrong.
 Result<CameraYaml> read_camera_yaml(const std::filesystem::path& path);
 

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs the visual SLAM alone on a recording with ground truth and prints accuracy, coverage and cost of an image.
+//
+//     benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [visual.key=value ...]
+//
+// CAMERAS is a list such as cam0,cam1.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/config.hpp"
+#include "common/recording.hpp"
+#include "common/trajectory_evaluation.hpp"
+#include "common/tum.hpp"
+#include "visual_slam/visual_slam.hpp"
+
+namespace {
+
+using namespace slamfuse;
+
+struct Run {
+  common::Trajectory2 online;    // poses that were not LOST
+  common::Trajectory2 odometry;  // at the stamps of the images
+  std::vector<double> milliseconds;
+  std::vector<common::Event> events;
+  double mean_nees = 0.0;
+  std::size_t rejected = 0;
+};
+
+void print_row(const char* name, const common::Trajectory2& estimate, const common::Trajectory2& truth) {
+  const auto accuracy = common::evaluate_trajectory(estimate, truth);
+  if (!accuracy) {
+    std::printf("%-10s %s\n", name, accuracy.error().message.c_str());
+    return;
+  }
+  std::printf("%-10s ATE rmse %.4f m  max %.4f m  heading rmse %.3f deg  RPE %.3f %%  coverage %.4f\n", name,
+              accuracy->ate_rmse_m, accuracy->ate_max_m, accuracy->heading_rmse_deg,
+              accuracy->rpe_percent.value_or(0.0), accuracy->coverage);
+}
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "%s\n", message.c_str());
+  return EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) return fail("usage: benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [visual.key=value ...]");
+  visual_slam::VisualSlamOptions options;
+  int threads = 1;
+  for (int i = 3; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.find('=') == std::string::npos) {
+      threads = std::atoi(argv[i]);
+      continue;
+    }
+    const auto set = common::set_option(
+        argument, [&](common::OptionVisitor& visit) { visit.nested("visual", options, "Visual SLAM."); });
+    if (!set) return fail(set.error().message);
+  }
+  auto recording = common::open_recording(argv[1]);
+  if (!recording) return fail(recording.error().message);
+  const auto truth = common::read_ground_truth(argv[1]);
+  if (!truth) return fail(truth.error().message);
+  std::map<std::string, common::CameraCalibration> cameras;
+  std::istringstream names(argv[2]);
+  for (std::string name; std::getline(names, name, ',');) {
+    const auto& known = (*recording)->info().calibration.cameras;
+    if (!known.contains(name)) return fail("the recording has no camera " + name);
+    cameras.emplace(name, known.at(name));
+  }
+  auto slam = visual_slam::VisualSlam::create(options, cameras, 1, threads);
+  if (!slam) return fail(slam.error().message);
+
+  Run run;
+  while (true) {
+    auto item = (*recording)->next();
+    if (!item) return fail(item.error().message);
+    if (!*item) break;
+    const auto* message = std::get_if<common::SensorMessage>(&**item);
+    if (message == nullptr || !(*slam)->wants(*message)) continue;
+    if (const auto* odometry = std::get_if<common::WheelOdometry>(message)) {
+      run.odometry.push_back({odometry->stamp, odometry->pose});
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const common::ProcessResult result = (*slam)->process(*message);
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    if (result.rejected) ++run.rejected;
+    if (!result.estimate) continue;
+    run.milliseconds.push_back(took.count());
+    run.events.insert(run.events.end(), result.estimate->events.begin(), result.estimate->events.end());
+    if (result.estimate->state != common::TrackingState::kLost) {
+      run.online.push_back({result.estimate->stamp, result.estimate->pose});
+    }
+  }
+  print_row("odometry", run.odometry, *truth);
+  print_row("online", run.online, *truth);
+  print_row("final", (*slam)->final_trajectory(), *truth);
+  std::sort(run.milliseconds.begin(), run.milliseconds.end());
+  double sum = 0.0;
+  for (const double value : run.milliseconds) sum += value;
+  const std::size_t count = run.milliseconds.size();
+  if (count > 0) {
+    std::printf("%zu images, %zu rejected; ms an image: mean %.2f median %.2f p95 %.2f max %.2f; %zu landmarks\n",
+                count, run.rejected, sum / static_cast<double>(count), run.milliseconds[count / 2],
+                run.milliseconds[count * 95 / 100], run.milliseconds.back(), (*slam)->landmarks().size());
+  }
+  for (const common::Event& event : run.events) {
+    std::printf("%.2f s %s: %s\n", common::to_seconds(event.stamp - (*recording)->info().first_stamp),
+                event.kind.c_str(), event.detail.c_str());
+  }
+  if (const char* folder = std::getenv("SLAMFUSE_OUT")) {
+    if (!common::write_tum(std::string(folder) + "/visual.tum", run.online) ||
+        !common::write_tum(std::string(folder) + "/visual_final.tum", (*slam)->final_trajectory())) {
+      return fail(std::string(folder) + ": cannot write");
+    }
+  }
+  return EXIT_SUCCESS;
+}

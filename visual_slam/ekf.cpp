@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "visual_slam/ekf.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+#include "common/angle.hpp"
+#include "visual_slam/consensus.hpp"
+
+namespace slamfuse::visual_slam {
+namespace {
+
+constexpr double kFirstPoseSigma = 1e-4;  // [m], [rad]: the map frame is the first pose, so it is known
+
+double square(double value) { return value * value; }
+
+common::Pose2 to_pose(const Eigen::Vector3d& v) { return {v.x(), v.y(), common::normalize_angle(v.z())}; }
+
+Eigen::Matrix3d calibration_covariance(const MotionOptions& motion) {
+  if (!motion.calibrate) return Eigen::Matrix3d::Zero();
+  return Eigen::Vector3d(square(motion.distance_scale_sigma), square(motion.turn_scale_sigma),
+                         square(common::to_radians(motion.turn_per_distance_sigma)))
+      .asDiagonal();
+}
+
+/// S = H P H^T + R from P H^T.
+Eigen::MatrixXd innovation_covariance(const State& state, std::span<const LinearMeasurement> measurements,
+                                      const Eigen::MatrixXd& covariance_times_jacobian) {
+  Eigen::MatrixXd s = state.jacobian_times(measurements, covariance_times_jacobian);
+  for (int i = 0; i < static_cast<int>(measurements.size()); ++i) {
+    s.diagonal().segment<2>(2 * i).array() += square(measurements[static_cast<std::size_t>(i)].sigma);
+  }
+  return s;
+}
+
+Eigen::VectorXd stacked_residuals(std::span<const LinearMeasurement> measurements) {
+  Eigen::VectorXd residuals(2 * static_cast<int>(measurements.size()));
+  for (int i = 0; i < static_cast<int>(measurements.size()); ++i) {
+    residuals.segment<2>(2 * i) = measurements[static_cast<std::size_t>(i)].residual;
+  }
+  return residuals;
+}
+
+}  // namespace
+
+Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion) : options_(filter), motion_(motion) {
+  robot_ = state_.append(Eigen::Vector3d::Zero(), BlockFrame::kMap, {},
+                         square(kFirstPoseSigma) * Eigen::Matrix3d::Identity());
+  calibration_ = state_.append(Eigen::Vector3d::Zero(), BlockFrame::kLocal, {}, calibration_covariance(motion));
+}
+
+common::Pose2 Ekf::pose() const { return to_pose(state_.mean(robot_)); }
+Eigen::Matrix3d Ekf::pose_covariance() const { return state_.covariance(robot_, robot_); }
+OdometryCalibration Ekf::odometry_calibration() const { return state_.mean(calibration_); }
+common::Pose2 Ekf::past_pose(const PastPose& past) const { return to_pose(state_.mean(past.block)); }
+
+void Ekf::predict(const common::Pose2& odometry_increment) {
+  moved_ = moved_ || odometry_increment.vector() != Eigen::Vector3d::Zero();
+  predict_pose(state_, robot_, calibration_, odometry_increment, motion_);
+}
+
+std::optional<Projection> Ekf::project(const Camera& camera, const FilterLandmark& landmark,
+                                       const common::Pose2& row_shift) const {
+  const Eigen::Vector3d numbers = state_.mean(landmark.block);
+  if (!landmark.anchored) return project_cartesian(camera, row_shift, pose(), numbers);
+  return project_anchored(camera, row_shift, pose(), landmark.anchor, to_pose(state_.mean(landmark.anchor_pose)),
+                          numbers);
+}
+
+std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Measurement& measurement) const {
+  const FilterLandmark& landmark = landmarks_.at(measurement.landmark);
+  const std::optional<Projection> projection = project(camera, landmark, measurement.bearing.row_shift);
+  if (!projection) return std::nullopt;
+  LinearMeasurement linear;
+  linear.residual = measurement.bearing.point - projection->point;
+  linear.sigma = measurement.bearing.sigma;
+  linear.jacobian.push_back({robot_, projection->wrt_robot});
+  if (landmark.anchored) linear.jacobian.push_back({landmark.anchor_pose, projection->wrt_anchor});
+  linear.jacobian.push_back({landmark.block, projection->wrt_landmark});
+  return linear;
+}
+
+std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId landmark,
+                                               const common::Pose2& row_shift) const {
+  const FilterLandmark& entry = landmarks_.at(landmark);
+  const std::optional<Projection> projection = project(camera, entry, row_shift);
+  if (!projection) return std::nullopt;
+  std::vector<std::pair<BlockId, Eigen::Matrix<double, 2, 3>>> parts = {{robot_, projection->wrt_robot},
+                                                                        {entry.block, projection->wrt_landmark}};
+  if (entry.anchored) parts.emplace_back(entry.anchor_pose, projection->wrt_anchor);
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (const auto& [row, by_row] : parts) {
+    for (const auto& [column, by_column] : parts) {
+      covariance += by_row * state_.covariance(row, column) * by_column.transpose();
+    }
+  }
+  return Prediction{projection->point, covariance};
+}
+
+UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> measurements) {
+  UpdateReport report;
+  report.accepted.assign(measurements.size(), false);
+  std::vector<std::size_t> used;
+  std::vector<LinearMeasurement> linear;
+  for (std::size_t i = 0; i < measurements.size(); ++i) {
+    if (std::optional<LinearMeasurement> one = linearise(camera, measurements[i])) {
+      used.push_back(i);
+      linear.push_back(std::move(*one));
+    }
+  }
+  if (linear.empty()) return report;
+  const Eigen::MatrixXd cross = state_.covariance_times_jacobian(linear);
+  const Consensus consensus = find_consensus(stacked_residuals(linear), innovation_covariance(state_, linear, cross),
+                                             chi_square_gate_2(options_.gate_probability));
+  report.mean_nis = consensus.mean_nis;
+  std::vector<std::size_t> accepted;
+  for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);
+
+  const Eigen::VectorXd prior = state_.mean();
+  for (int iteration = 0; iteration < options_.iterations && !accepted.empty(); ++iteration) {
+    linear.clear();
+    std::erase_if(accepted, [&](std::size_t i) {
+      std::optional<LinearMeasurement> one = linearise(camera, measurements[i]);
+      if (one) linear.push_back(std::move(*one));
+      return !one;
+    });
+    const Eigen::MatrixXd gain_side = state_.covariance_times_jacobian(linear);
+    const Eigen::LLT<Eigen::MatrixXd> llt(innovation_covariance(state_, linear, gain_side));
+    const Eigen::VectorXd back_to_prior = prior - state_.mean();
+    const Eigen::VectorXd residual = stacked_residuals(linear) - state_.jacobian_times(linear, back_to_prior);
+    const Eigen::VectorXd step = back_to_prior + gain_side * llt.solve(residual);
+    if (iteration + 1 == options_.iterations) {
+      state_.subtract_outer_product(llt.matrixL().solve(gain_side.transpose()).transpose());
+    }
+    state_.correct(step);
+  }
+  for (const std::size_t i : accepted) report.accepted[i] = true;
+  report.inliers = static_cast<int>(accepted.size());
+  return report;
+}
+
+PastPose& Ekf::past_pose_now(common::Nanoseconds stamp) {
+  if (past_poses_.empty() || moved_ || past_poses_.back().stamp != stamp) {
+    const JacobianPart<Eigen::Dynamic> copy[] = {{robot_, Eigen::Matrix3d::Identity()}};
+    const BlockId block = state_.append(state_.mean(robot_), BlockFrame::kMap, copy, Eigen::Matrix3d::Zero());
+    past_poses_.push_back({.block = block, .stamp = stamp, .keyframe = false, .anchored = 0});
+    moved_ = false;
+  }
+  return past_poses_.back();
+}
+
+PastPose& Ekf::past_pose_of(BlockId block) {
+  return *std::find_if(past_poses_.begin(), past_poses_.end(),
+                       [block](const PastPose& past) { return past.block == block; });
+}
+
+void Ekf::add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& bearing, common::Nanoseconds stamp) {
+  PastPose& anchor = past_pose_now(stamp);
+  ++anchor.anchored;
+  const Eigen::Vector3d numbers(bearing.point.x(), bearing.point.y(), options_.initial_inverse_depth);
+  const Eigen::Matrix3d noise =
+      Eigen::Vector3d(square(bearing.sigma), square(bearing.sigma), square(options_.inverse_depth_sigma)).asDiagonal();
+  const BlockId block = state_.append(numbers, BlockFrame::kLocal, {}, noise);
+  landmarks_.emplace(landmark, FilterLandmark{block, true, anchor.block, {&camera, bearing.row_shift}});
+}
+
+std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const LandmarkId> landmarks) {
+  std::vector<LandmarkId> impossible;
+  for (const LandmarkId id : landmarks) {
+    FilterLandmark& landmark = landmarks_.at(id);
+    if (!landmark.anchored) continue;
+    const Eigen::Vector3d numbers = state_.mean(landmark.block);
+    if (numbers.z() <= 0.0) {
+      impossible.push_back(id);
+      continue;
+    }
+    const common::Pose2 anchor_pose = to_pose(state_.mean(landmark.anchor_pose));
+    const CartesianPoint point = to_cartesian(landmark.anchor, anchor_pose, numbers);
+    const double sigma = std::sqrt(std::max(0.0, state_.covariance(landmark.block, landmark.block)(2, 2)));
+    const double index = linearity_index(optical_centre(*landmark.anchor.camera, anchor_pose),
+                                         optical_centre(camera, pose()), point.position, numbers.z(), sigma);
+    if (index > options_.linearity_index) continue;
+    const JacobianPart<Eigen::Dynamic> parts[] = {{landmark.anchor_pose, point.wrt_anchor},
+                                                  {landmark.block, point.wrt_landmark}};
+    state_.transform(landmark.block, point.position, BlockFrame::kMap, parts, Eigen::Matrix3d::Zero());
+    landmark.anchored = false;
+    --past_pose_of(landmark.anchor_pose).anchored;
+  }
+  remove_blocks({});
+  return impossible;
+}
+
+void Ekf::remove(std::span<const LandmarkId> landmarks) {
+  std::vector<BlockId> blocks;
+  for (const LandmarkId id : landmarks) {
+    const FilterLandmark& landmark = landmarks_.at(id);
+    if (landmark.anchored) --past_pose_of(landmark.anchor_pose).anchored;
+    blocks.push_back(landmark.block);
+    landmarks_.erase(id);
+  }
+  remove_blocks(std::move(blocks));
+}
+
+/// Removes the blocks given and the past poses nobody needs any more.
+void Ekf::remove_blocks(std::vector<BlockId> blocks) {
+  std::erase_if(past_poses_, [&blocks](const PastPose& past) {
+    const bool needless = !past.keyframe && past.anchored == 0;
+    if (needless) blocks.push_back(past.block);
+    return needless;
+  });
+  state_.remove(blocks);
+}
+
+void Ekf::add_keyframe(common::Nanoseconds stamp, int max_keyframes) {
+  past_pose_now(stamp).keyframe = true;
+  std::vector<PastPose*> keyframes;
+  for (PastPose& past : past_poses_) {
+    if (past.keyframe) keyframes.push_back(&past);
+  }
+  if (static_cast<int>(keyframes.size()) <= max_keyframes) return;
+  std::size_t spare = 1;
+  common::Nanoseconds shortest = std::numeric_limits<common::Nanoseconds>::max();
+  for (std::size_t i = 1; i + 1 < keyframes.size(); ++i) {
+    const common::Nanoseconds gap = keyframes[i + 1]->stamp - keyframes[i - 1]->stamp;
+    if (gap < shortest) {
+      shortest = gap;
+      spare = i;
+    }
+  }
+  keyframes[spare]->keyframe = false;
+  remove_blocks({});
+}
+
+std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen::Matrix3d& covariance) {
+  std::vector<LandmarkId> without_depth;
+  for (const auto& [id, landmark] : landmarks_) {
+    if (landmark.anchored) without_depth.push_back(id);
+  }
+  remove(without_depth);
+  state_.transform(robot_, new_pose.vector(), BlockFrame::kMap, {}, covariance);
+  moved_ = true;
+  return without_depth;
+}
+
+std::optional<MapPoint> Ekf::map_point(LandmarkId landmark) const {
+  const FilterLandmark& entry = landmarks_.at(landmark);
+  if (entry.anchored) return std::nullopt;
+  return MapPoint{state_.mean(entry.block), state_.covariance(entry.block, entry.block)};
+}
+
+}  // namespace slamfuse::visual_slam

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/pose2.hpp"
+#include "common/time.hpp"
+#include "visual_slam/camera.hpp"
+#include "visual_slam/motion_model.hpp"
+#include "visual_slam/options.hpp"
+#include "visual_slam/projection.hpp"
+#include "visual_slam/state.hpp"
+
+namespace slamfuse::visual_slam {
+
+using LandmarkId = std::int64_t;
+
+/// A landmark measured in an image.
+struct Measurement {
+  LandmarkId landmark = 0;
+  Bearing bearing;
+};
+
+/// Where a landmark should appear.
+struct Prediction {
+  Eigen::Vector2d point;       ///< normalised image point (x/z, y/z)
+  Eigen::Matrix2d covariance;  ///< of `point`, without the measurement noise
+};
+
+/// A landmark's place in the map.
+struct MapPoint {
+  Eigen::Vector3d position;    ///< [m]
+  Eigen::Matrix3d covariance;  ///< [m^2]
+};
+
+/// What an update did.
+struct UpdateReport {
+  std::vector<bool> accepted;  ///< for each measurement
+  int inliers = 0;
+  double mean_nis = 0.0;  ///< of the accepted ones, per degree of freedom
+};
+
+/// A past pose of base_link that is still estimated.
+struct PastPose {
+  BlockId block = 0;
+  common::Nanoseconds stamp = 0;
+  bool keyframe = false;  ///< stays for the final trajectory; others go with the last landmark anchored there
+  int anchored = 0;       ///< landmarks whose inverse depth refers to it
+};
+
+/// The extended Kalman filter: robot pose, systematic odometry errors, past poses and landmarks in one dense state.
+/// It knows bearings and landmark numbers only, no images: bearings given by hand drive it as well.
+class Ekf {
+ public:
+  Ekf(const FilterOptions& filter, const MotionOptions& motion);
+
+  common::Pose2 pose() const;
+  Eigen::Matrix3d pose_covariance() const;
+  OdometryCalibration odometry_calibration() const;
+  const State& state() const { return state_; }
+  const std::vector<PastPose>& past_poses() const { return past_poses_; }
+  common::Pose2 past_pose(const PastPose& past) const;
+  bool has(LandmarkId landmark) const { return landmarks_.contains(landmark); }
+  std::size_t landmark_count() const { return landmarks_.size(); }
+  bool is_cartesian(LandmarkId landmark) const { return !landmarks_.at(landmark).anchored; }
+
+  /// Moves the robot by what the wheel odometry says it moved.
+  void predict(const common::Pose2& odometry_increment);
+  /// Where a landmark should appear in an image taken now; empty when it is behind the camera.
+  std::optional<Prediction> predict_bearing(const Camera& camera, LandmarkId landmark,
+                                            const common::Pose2& row_shift) const;
+  /// Corrects everything by the bearings of one image. Bearings that do not fit are left out (find_consensus).
+  UpdateReport update(const Camera& camera, std::span<const Measurement> measurements);
+  /// Enters a landmark seen the first time, by inverse depth, undelayed (seed 002 section 2.3). `stamp` is that of the
+  /// image; landmarks of one stamp share their anchor. The camera must outlive the landmark.
+  void add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& bearing, common::Nanoseconds stamp);
+  /// Makes the landmarks Cartesian that have become linear; `camera` has just seen them. Those whose inverse depth is
+  /// not positive are returned: they are no points of this world.
+  std::vector<LandmarkId> convert(const Camera& camera, std::span<const LandmarkId> landmarks);
+  void remove(std::span<const LandmarkId> landmarks);
+
+  /// Keeps the current pose for the final trajectory. Over `max_keyframes` the one that is missed least goes.
+  void add_keyframe(common::Nanoseconds stamp, int max_keyframes);
+  /// Replaces the robot's pose; it knows nothing of the landmarks any more, and landmarks without depth go.
+  std::vector<LandmarkId> set_pose(const common::Pose2& pose, const Eigen::Matrix3d& covariance);
+
+  /// Place of a landmark with known depth (Cartesian).
+  std::optional<MapPoint> map_point(LandmarkId landmark) const;
+
+ private:
+  struct FilterLandmark {
+    BlockId block = 0;
+    bool anchored = true;
+    std::size_t anchor_pose = 0;  // block of the past pose
+    Anchor anchor;
+  };
+
+  std::optional<Projection> project(const Camera& camera, const FilterLandmark& landmark,
+                                    const common::Pose2& row_shift) const;
+  std::optional<LinearMeasurement> linearise(const Camera& camera, const Measurement& measurement) const;
+  PastPose& past_pose_now(common::Nanoseconds stamp);
+  PastPose& past_pose_of(BlockId block);
+  void remove_blocks(std::vector<BlockId> blocks);
+
+  FilterOptions options_;
+  MotionOptions motion_;
+  State state_;
+  BlockId robot_;
+  BlockId calibration_;
+  std::map<LandmarkId, FilterLandmark> landmarks_;
+  std::vector<PastPose> past_poses_;  // by rising stamp
+  bool moved_ = true;                 // since the newest past pose was taken
+};
+
+}  // namespace slamfuse::visual_slam

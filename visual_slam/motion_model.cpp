@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "visual_slam/motion_model.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "common/angle.hpp"
+
+namespace slamfuse::visual_slam {
+namespace {
+
+constexpr double kSmallTurn = 1e-4;  // [rad] below which series replace quotients
+
+double square(double value) { return value * value; }
+
+}  // namespace
+
+Eigen::Matrix3d exp_se2_jacobian(const Eigen::Vector3d& twist) {
+  const double w = twist.z();
+  const bool small = std::abs(w) < kSmallTurn;
+  const double s = small ? 1.0 - w * w / 6.0 : std::sin(w) / w;
+  const double c = small ? w / 2.0 : (1.0 - std::cos(w)) / w;
+  const double ds = small ? -w / 3.0 : (std::cos(w) - s) / w;
+  const double dc = small ? 0.5 - w * w / 8.0 : (std::sin(w) - c) / w;
+  Eigen::Matrix3d jacobian;
+  jacobian << s, -c, ds * twist.x() - dc * twist.y(),  //
+      c, s, dc * twist.x() + ds * twist.y(),           //
+      0.0, 0.0, 1.0;
+  return jacobian;
+}
+
+CalibratedIncrement calibrate_increment(const common::Pose2& measured, const OdometryCalibration& calibration,
+                                        const MotionOptions& options) {
+  const Eigen::Vector3d raw = common::log_se2(measured);
+  const Eigen::Vector3d twist((1.0 + calibration[0]) * raw.x(), raw.y(),
+                              (1.0 + calibration[1]) * raw.z() + calibration[2] * raw.x());
+  const Eigen::Matrix3d by_twist = exp_se2_jacobian(twist);
+  Eigen::Matrix3d twist_by_calibration = Eigen::Matrix3d::Zero();
+  twist_by_calibration(0, 0) = raw.x();
+  twist_by_calibration(2, 1) = raw.z();
+  twist_by_calibration(2, 2) = raw.x();
+
+  const double distance = std::hypot(raw.x(), raw.y());
+  const double turns = std::abs(raw.z()) / (2.0 * std::numbers::pi);
+  const Eigen::Vector3d variances(square(options.distance_noise) * distance, square(options.lateral_noise) * distance,
+                                  square(common::to_radians(options.turn_noise_per_distance)) * distance +
+                                      square(common::to_radians(options.turn_noise_per_turn)) * turns);
+  return {.increment = common::exp_se2(twist),
+          .wrt_calibration = by_twist * twist_by_calibration,
+          .noise = by_twist * variances.asDiagonal() * by_twist.transpose()};
+}
+
+void predict_pose(State& state, BlockId robot, BlockId calibration, const common::Pose2& measured,
+                  const MotionOptions& options) {
+  const common::Pose2 pose{state.mean(robot)[0], state.mean(robot)[1], state.mean(robot)[2]};
+  const CalibratedIncrement step = calibrate_increment(measured, state.mean(calibration), options);
+  const common::ComposeJacobians compose = common::compose_jacobians(pose, step.increment);
+  const JacobianPart<Eigen::Dynamic> parts[] = {{robot, compose.wrt_a},
+                                                {calibration, compose.wrt_b * step.wrt_calibration}};
+  state.transform(robot, (pose * step.increment).vector(), BlockFrame::kMap, parts,
+                  compose.wrt_b * step.noise * compose.wrt_b.transpose());
+}
+
+}  // namespace slamfuse::visual_slam

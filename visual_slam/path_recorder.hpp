@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "common/trajectory.hpp"
+#include "visual_slam/ekf.hpp"
+
+namespace slamfuse::visual_slam {
+
+/// Remembers every estimate and tells, at any time, the path as it is believed then.
+///
+/// Keyframe poses are part of the filter's state, so each later measurement (above all a loop closure) corrects them
+/// through the cross-covariances: that is the smoothing. An estimate between two keyframes hangs on both by the wheel
+/// odometry in between, and the two answers are blended by time.
+class PathRecorder {
+ public:
+  /// An estimate was made; `odometry` is T_odom_base at its stamp.
+  void add(common::Nanoseconds stamp, const common::Pose2& odometry, const common::Pose2& estimate);
+  /// The pose is about to be replaced from outside: nothing is blended across this point.
+  void start_segment() { ++segment_; }
+  /// The map is about to be forgotten: the path so far stays as `filter` believes it now.
+  void freeze(const Ekf& filter);
+  common::Trajectory2 path(const Ekf& filter) const;
+
+ private:
+  struct Entry {
+    common::Nanoseconds stamp;
+    int segment;
+    common::Pose2 odometry;
+    common::Pose2 estimate;
+  };
+
+  std::vector<Entry> entries_;
+  int segment_ = 0;
+  std::size_t frozen_ = 0;  // entries whose estimate is final
+};
+
+}  // namespace slamfuse::visual_slam

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "visual_slam/projection.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace slamfuse::visual_slam {
+namespace {
+
+constexpr double kMinDepth = 1e-3;  // scaled depth below which a point counts as behind the camera
+
+Eigen::Matrix3d turn_about_z(double angle) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  return rotation;
+}
+
+Eigen::Vector3d in_plane(const common::Pose2& pose) { return {pose.x, pose.y, 0.0}; }
+
+/// z x v: the derivative of turning v about z.
+Eigen::Vector3d quarter_turn(const Eigen::Vector3d& v) { return {-v.y(), v.x(), 0.0}; }
+
+/// The pinhole: a point g = rho q (q in base_link at the stamp) and its derivatives.
+struct Pinhole {
+  Eigen::Vector2d point;
+  Eigen::Matrix<double, 2, 3> wrt_scaled_point;
+  Eigen::Vector2d wrt_rho;
+};
+
+std::optional<Pinhole> see(const Camera& camera, const common::Pose2& row_shift, const Eigen::Vector3d& g, double rho) {
+  const Eigen::Matrix3d turn = camera.R_base_camera.transpose() * turn_about_z(row_shift.theta).transpose();
+  const Eigen::Vector3d offset = turn * in_plane(row_shift) + camera.R_base_camera.transpose() * camera.t_base_camera;
+  const Eigen::Vector3d in_camera = turn * g - rho * offset;
+  if (!(in_camera.z() > kMinDepth)) return std::nullopt;
+  const Eigen::Vector2d point = in_camera.head<2>() / in_camera.z();
+  Eigen::Matrix<double, 2, 3> by_camera_point;
+  by_camera_point << 1.0, 0.0, -point.x(), 0.0, 1.0, -point.y();
+  by_camera_point /= in_camera.z();
+  return Pinhole{point, by_camera_point * turn, -by_camera_point * offset};
+}
+
+}  // namespace
+
+std::optional<Projection> project_cartesian(const Camera& camera, const common::Pose2& row_shift,
+                                            const common::Pose2& robot, const Eigen::Vector3d& landmark) {
+  const Eigen::Matrix3d to_robot = turn_about_z(robot.theta).transpose();
+  const Eigen::Vector3d in_base = to_robot * (landmark - in_plane(robot));
+  const std::optional<Pinhole> seen = see(camera, row_shift, in_base, 1.0);
+  if (!seen) return std::nullopt;
+  Projection projection;
+  projection.point = seen->point;
+  projection.wrt_landmark = seen->wrt_scaled_point * to_robot;
+  projection.wrt_robot.leftCols<2>() = -projection.wrt_landmark.leftCols<2>();
+  projection.wrt_robot.col(2) = -seen->wrt_scaled_point * quarter_turn(in_base);
+  projection.wrt_anchor.setZero();
+  return projection;
+}
+
+std::optional<Projection> project_anchored(const Camera& camera, const common::Pose2& row_shift,
+                                           const common::Pose2& robot, const Anchor& anchor,
+                                           const common::Pose2& anchor_pose, const Eigen::Vector3d& landmark) {
+  const double rho = landmark.z();
+  const Eigen::Matrix3d to_robot = turn_about_z(robot.theta).transpose();
+  const Eigen::Matrix3d anchor_turn = turn_about_z(anchor_pose.theta);
+  const Eigen::Matrix3d row_turn = turn_about_z(anchor.row_shift.theta);
+  const Eigen::Matrix3d ray_turn = anchor_turn * row_turn * anchor.camera->R_base_camera;
+  const Eigen::Vector3d lever = anchor_turn * (row_turn * anchor.camera->t_base_camera + in_plane(anchor.row_shift));
+  const Eigen::Vector3d from_anchor =
+      ray_turn * Eigen::Vector3d(landmark.x(), landmark.y(), 1.0) + rho * lever;  // times rho, turned as the map
+  const Eigen::Vector3d baseline = in_plane(anchor_pose) - in_plane(robot);
+  const Eigen::Vector3d g = to_robot * (from_anchor + rho * baseline);
+  const std::optional<Pinhole> seen = see(camera, row_shift, g, rho);
+  if (!seen) return std::nullopt;
+
+  Projection projection;
+  projection.point = seen->point;
+  const Eigen::Matrix<double, 2, 3> wrt_map_point = seen->wrt_scaled_point * to_robot;
+  projection.wrt_robot.leftCols<2>() = -rho * wrt_map_point.leftCols<2>();
+  projection.wrt_robot.col(2) = -seen->wrt_scaled_point * quarter_turn(g);
+  projection.wrt_anchor.leftCols<2>() = rho * wrt_map_point.leftCols<2>();
+  projection.wrt_anchor.col(2) = wrt_map_point * quarter_turn(from_anchor);
+  projection.wrt_landmark.leftCols<2>() = wrt_map_point * ray_turn.leftCols<2>();
+  projection.wrt_landmark.col(2) = wrt_map_point * (lever + baseline) + seen->wrt_rho;
+  return projection;
+}
+
+CartesianPoint to_cartesian(const Anchor& anchor, const common::Pose2& anchor_pose, const Eigen::Vector3d& landmark) {
+  const double depth = 1.0 / landmark.z();
+  const Eigen::Matrix3d row_turn = turn_about_z(anchor.row_shift.theta);
+  const Eigen::Matrix3d anchor_turn = turn_about_z(anchor_pose.theta);
+  const Eigen::Matrix3d ray_turn = anchor_turn * row_turn * anchor.camera->R_base_camera;
+  const Eigen::Vector3d ray = ray_turn * Eigen::Vector3d(landmark.x(), landmark.y(), 1.0);
+  const Eigen::Vector3d lever = anchor_turn * (row_turn * anchor.camera->t_base_camera + in_plane(anchor.row_shift));
+  CartesianPoint point;
+  point.position = in_plane(anchor_pose) + lever + depth * ray;
+  point.wrt_anchor.setZero();
+  point.wrt_anchor.topLeftCorner<2, 2>().setIdentity();
+  point.wrt_anchor.col(2) = quarter_turn(lever + depth * ray);
+  point.wrt_landmark.leftCols<2>() = depth * ray_turn.leftCols<2>();
+  point.wrt_landmark.col(2) = -depth * depth * ray;
+  return point;
+}
+
+Eigen::Vector3d optical_centre(const Camera& camera, const common::Pose2& robot) {
+  return in_plane(robot) + turn_about_z(robot.theta) * camera.t_base_camera;
+}
+
+double linearity_index(const Eigen::Vector3d& anchor_centre, const Eigen::Vector3d& camera_centre,
+                       const Eigen::Vector3d& point, double rho, double rho_sigma) {
+  if (rho <= 0.0) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d from_anchor = point - anchor_centre;
+  const Eigen::Vector3d from_camera = point - camera_centre;
+  const double cosine = from_anchor.dot(from_camera) / (from_anchor.norm() * from_camera.norm());
+  return 4.0 * rho_sigma / (rho * rho * from_camera.norm()) * std::abs(cosine);
+}
+
+}  // namespace slamfuse::visual_slam
