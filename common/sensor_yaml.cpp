@@ -153,7 +153,7 @@ double readout_of(const std::string& shutter) {
   if (shutter.rfind(rolling, 0) != 0) return 0.0;
   const std::size_t end = shutter.find(" s", rolling.size());
   if (end == std::string::npos) return 0.0;
-  const std::optional<double> readout = parse_finite(shutter.substr(rolling.size(), end - rolling.size()));
+  const std::optional<double> readout = parse_real(shutter.substr(rolling.size(), end - rolling.size()));
   return readout && *readout > 0.0 && *readout < kLongestReadout ? *readout : 0.0;
 }
 
