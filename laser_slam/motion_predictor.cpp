@@ -22,13 +22,10 @@ MotionPrediction MotionPredictor::predict(common::Nanoseconds stamp) const {
   MotionPrediction prediction;
   prediction.seconds = common::to_seconds(stamp - last_stamp_);
   if (const auto odometry = odometry_.pose_at(stamp); odometry && last_odometry_) {
-    const common::Pose2 increment = last_odometry_->inverse() * *odometry;
-    if (!is_jump(increment, prediction.seconds, options_)) {
-      prediction.increment = increment;
-      prediction.from_odometry = true;
-      return prediction;
-    }
-    prediction.refused_odometry = increment;
+    prediction.increment = last_odometry_->inverse() * *odometry;
+    prediction.from_odometry = true;
+    prediction.suspicious = is_jump(prediction.increment, prediction.seconds, options_);
+    return prediction;
   }
   if (prediction.seconds > 0.0 && prediction.seconds < kLongestStep) {
     prediction.increment = at_last_speed(prediction.seconds);

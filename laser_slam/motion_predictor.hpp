@@ -17,7 +17,7 @@ struct MotionPrediction {
   common::Pose2 increment;  ///< T_base(last scan)_base(this scan)
   double seconds = 0.0;     ///< between the scans; not positive where stamps step back
   bool from_odometry = false;
-  std::optional<common::Pose2> refused_odometry;  ///< an increment too fast to be true, see is_jump()
+  bool suspicious = false;  ///< odometry too fast to be true, see is_jump(): other motions must be considered
 };
 
 /// Predicts the motion from scan to scan: by wheel odometry where there is some, else by the last matched speed.

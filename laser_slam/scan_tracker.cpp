@@ -26,27 +26,24 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
                         to_parent_frame(covariance_of(prediction), last * prediction.increment).inverse()};
   TrackedScan tracked;
   tracked.match = matcher_.match(map, points, prior.mean, prior, old_before);
-  tracked.odometry_doubted = prediction.refused_odometry.has_value();
-
+  const double agreement = tracked.match.fit.agreement;
   const auto enough_known = [&](const ScanFit& fit) {
     return fit.known >= kEnoughKnown * static_cast<double>(points.size());
   };
-  if (tracked.match.fit.agreement < matching_.rematch_agreement && enough_known(tracked.match.fit)) {
-    const double to_beat = tracked.match.fit.agreement + matching_.rematch_gain;
-    std::vector<ScanMatch> others;
-    const auto climb_from = [&](const common::Pose2& start) {
-      others.push_back(matcher_.match(map, points, start, PosePrior{start, Eigen::Matrix3d::Zero()}, old_before));
-    };
-    climb_from(last);
-    climb_from(last * predictor.at_last_speed(prediction.seconds));
-    if (prediction.refused_odometry) climb_from(last * *prediction.refused_odometry);
-    others.push_back(matcher_.search(map, points, prior.mean, old_before));
-    for (const ScanMatch& other : others) {
-      if (!enough_known(other.fit) || other.fit.agreement <= to_beat) continue;
-      if (tracked.odometry_doubted && other.fit.agreement <= tracked.match.fit.agreement) continue;
+  const bool doubtful = agreement < matching_.rematch_agreement && enough_known(tracked.match.fit);
+  if (prediction.suspicious || doubtful) {
+    double to_beat = agreement + matching_.rematch_gain;
+    const auto consider = [&](const ScanMatch& other) {
+      if (!enough_known(other.fit) || other.fit.agreement <= to_beat) return;
+      to_beat = other.fit.agreement;
       tracked.match = other;
       tracked.odometry_doubted = true;
+    };
+    for (const common::Pose2& begin : {last, last * predictor.at_last_speed(prediction.seconds)}) {
+      consider(matcher_.match(map, points, begin, PosePrior{begin, Eigen::Matrix3d::Zero()}, old_before));
+      consider(matcher_.search(map, points, begin, old_before));
     }
+    consider(matcher_.search(map, points, prior.mean, old_before));
   }
   tracked.increment = last.inverse() * tracked.match.pose;
   return tracked;

@@ -17,13 +17,14 @@ namespace slamfuse::laser_slam {
 struct TrackedScan {
   ScanMatch match;                ///< the scan in the map
   common::Pose2 increment;        ///< the motion since the last scan, as matched
-  bool odometry_doubted = false;  ///< the match was followed against the odometry, or the odometry refused
+  bool odometry_doubted = false;  ///< the match was followed against the odometry
 };
 
 /// Follows the pose from scan to scan in one map: the online path, and the guard against odometry that jumps.
 ///
-/// The climb starts where the prediction says. Where the scan agrees badly there, the climb is tried from the last
-/// matched speed and from a search of the window around the prediction; they win only when they agree clearly better.
+/// The climb starts where the prediction says. Where the scan agrees badly there, or the odometry is too fast to be
+/// true, climbs from standstill, from the last matched speed and from searches around them and around the prediction
+/// are tried too; they win only when they agree clearly better.
 class ScanTracker {
  public:
   ScanTracker(const ScanMatcher& matcher, const ScanMatcherOptions& matching, const MotionModelOptions& motion)
