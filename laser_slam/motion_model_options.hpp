@@ -28,7 +28,8 @@ struct MotionModelOptions {
     visit.real("rotation_per_radian", rotation_per_radian, {0.0, 2.0}, "rad/rad",
                "Odometry's heading error while turning.");
     visit.real("rotation_base", rotation_base, {1e-4, 1.0}, "rad", "Odometry's heading error of any increment.");
-    visit.real("max_speed", max_speed, {0.01, 50.0}, "m/s", "Faster odometry is checked against standstill and the last speed.");
+    visit.real("max_speed", max_speed, {0.01, 50.0}, "m/s",
+               "Faster odometry is checked against standstill and the last speed.");
     visit.real("max_turn_rate", max_turn_rate, {0.01, 50.0}, "rad/s", "The same for turns.");
     visit.real("predicted_acceleration", predicted_acceleration, {0.01, 50.0}, "m/s^2",
                "Without odometry the last speed is kept; this is how much it may change.");

@@ -27,10 +27,13 @@ MotionPrediction MotionPredictor::predict(common::Nanoseconds stamp) const {
     prediction.suspicious = is_jump(prediction.increment, prediction.seconds, options_);
     return prediction;
   }
-  if (prediction.seconds > 0.0 && prediction.seconds < kLongestStep) {
-    prediction.increment = at_last_speed(prediction.seconds);
-  }
+  prediction.increment = at_last_speed(prediction.seconds);
   return prediction;
+}
+
+common::Pose2 MotionPredictor::at_last_speed(double seconds) const {
+  if (seconds <= 0.0 || seconds > kLongestStep) return {};
+  return common::exp_se2(twist_ * seconds);
 }
 
 void MotionPredictor::finish(common::Nanoseconds stamp, const MotionPrediction& prediction,

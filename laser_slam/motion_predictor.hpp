@@ -34,8 +34,8 @@ class MotionPredictor {
   void finish(common::Nanoseconds stamp, const MotionPrediction& prediction, const common::Pose2& matched);
   /// The body twist [m/s, m/s, rad/s] while a sweep of this duration passes, zero for duration 0.
   Eigen::Vector3d sweep_twist(common::Nanoseconds stamp, common::Nanoseconds duration) const;
-  /// The motion at the last matched speed.
-  common::Pose2 at_last_speed(double seconds) const { return common::exp_se2(twist_ * seconds); }
+  /// The motion at the last matched speed; none over a gap too long for a speed to last.
+  common::Pose2 at_last_speed(double seconds) const;
 
  private:
   MotionModelOptions options_;

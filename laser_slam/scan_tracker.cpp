@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "laser_slam/scan_tracker.hpp"
 
+#include <cmath>
+
 #include <Eigen/LU>
 
 #include "laser_slam/motion_model.hpp"
@@ -26,16 +28,19 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
                         to_parent_frame(covariance_of(prediction), last * prediction.increment).inverse()};
   TrackedScan tracked;
   tracked.match = matcher_.match(map, points, prior.mean, prior, old_before);
-  const double agreement = tracked.match.fit.agreement;
-  const auto enough_known = [&](const ScanFit& fit) {
-    return fit.known >= kEnoughKnown * static_cast<double>(points.size());
-  };
-  const bool doubtful = agreement < matching_.rematch_agreement && enough_known(tracked.match.fit);
+  const double beams = static_cast<double>(points.size());
+  const bool doubtful =
+      tracked.match.fit.agreement < matching_.rematch_agreement && tracked.match.fit.known >= kEnoughKnown * beams;
   if (prediction.suspicious || doubtful) {
-    double to_beat = agreement + matching_.rematch_gain;
+    // The likelihood decides, not the agreement: it also counts how much of the scan meets the map at all.
+    double to_beat = tracked.match.fit.log_likelihood + matching_.rematch_gain * beams;
     const auto consider = [&](const ScanMatch& other) {
-      if (!enough_known(other.fit) || other.fit.agreement <= to_beat) return;
-      to_beat = other.fit.agreement;
+      if (other.fit.log_likelihood <= to_beat) return;
+      const common::Pose2 apart = prior.mean.inverse() * other.pose;
+      const bool near =
+          std::hypot(apart.x, apart.y) <= matching_.search_distance && std::abs(apart.theta) <= matching_.search_angle;
+      if (!near && !prediction.suspicious) return;
+      to_beat = other.fit.log_likelihood;
       tracked.match = other;
       tracked.odometry_doubted = true;
     };
