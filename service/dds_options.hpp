@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/options.hpp"
+
+namespace slamfuse::service {
+
+/// How `slamfuse run --dds` publishes. Times are of the wall clock: they bound the load on the network, not the content
+/// of any file.
+struct DdsOptions {
+  double reader_wait = 1.0;
+  double linger = 2.0;
+  double map_period = 1.0;
+  double path_period = 1.0;
+  int path_poses = 1000;
+
+  void describe(common::OptionVisitor& visit) {
+    visit.real("reader_wait", reader_wait, {0.0, 60.0}, "s",
+               "At most so long the run waits for somebody to listen before it starts.");
+    visit.real("linger", linger, {0.0, 60.0}, "s",
+               "At most so long the run waits at its end until every listener has everything.");
+    visit.real("map_period", map_period, {0.5, 3600.0}, "s", "Least time between two maps; the last one always goes.");
+    visit.real("path_period", path_period, {0.5, 3600.0}, "s",
+               "Least time between two publications of a path; the last one always goes.");
+    visit.integer("path_poses", path_poses, {2, 100000}, "poses",
+                  "Longer paths are thinned evenly; 800 poses fill the 64 kB that arrive with default socket buffers.");
+  }
+};
+
+}  // namespace slamfuse::service

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/dds_publisher.hpp"
+
+#include <chrono>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "idl/private_domain.hpp"
+#include "idl/reader.hpp"
+#include "service/ros_conversion.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+using namespace std::chrono_literals;
+using common::PoseSource;
+
+constexpr auto kPatience = 5s;
+constexpr common::Nanoseconds kStamp = 1700000000005000000;
+
+class DdsPublisherTest : public testing::Test {
+ protected:
+  template <class T>
+  idl::Reader<T> listen(const std::string& topic, idl::QosProfile profile = idl::QosProfile::kTransformInput) {
+    return idl::Reader<T>::create(participant_, topic, profile).value();
+  }
+
+  std::unique_ptr<DdsPublisher> publisher(DdsPublisher::CurrentAlignment alignment = [] {
+    return std::optional<fusion::Alignment>();
+  }) {
+    auto created = DdsPublisher::create(options_, std::move(alignment));
+    EXPECT_TRUE(created);
+    return *std::move(created);
+  }
+
+  static common::PoseEstimate estimate(PoseSource source, double x, common::Nanoseconds stamp = kStamp) {
+    common::PoseEstimate estimate;
+    estimate.stamp = stamp;
+    estimate.source = source;
+    estimate.pose = {x, 2.0, 0.5};
+    estimate.covariance = 0.01 * Eigen::Matrix3d::Identity();
+    return estimate;
+  }
+
+  idl::PrivateDomain domain_;
+  idl::ScopedEnvironment id_{"ROS_DOMAIN_ID", "77"};
+  idl::ScopedEnvironment localhost_{"ROS_LOCALHOST_ONLY", "1"};
+  idl::Participant participant_ = idl::Participant::create(domain_.settings()).value();
+  DdsOptions options_ = [] {
+    DdsOptions options;
+    options.reader_wait = 0.2;  // most tests have no listener on the topics it waits for
+    return options;
+  }();
+};
+
+TEST_F(DdsPublisherTest, SendsEachCorrectedPoseWithItsTransform) {
+  auto poses = listen<idl::PoseWithCovarianceStamped>("slamfuse/pose");
+  auto transforms = listen<idl::TFMessage>("tf");
+  auto publishing = publisher();
+  publishing->on_corrected_pose({estimate(PoseSource::kFused, 1.0), {0.1, 0.2, 0.3}});
+
+  const auto pose = poses.take(kPatience);
+  ASSERT_TRUE(pose && *pose);
+  EXPECT_EQ((**pose)->pose.pose.position.x, 1.0);
+  EXPECT_EQ((**pose)->pose.covariance[35], 0.01);
+  EXPECT_EQ(idl::text_of((**pose)->header.frame_id), "map");
+  EXPECT_EQ(from_ros_time((**pose)->header.stamp), kStamp);
+
+  const auto transform = transforms.take(kPatience);
+  ASSERT_TRUE(transform && *transform);
+  EXPECT_EQ((**transform)->transforms._buffer[0].transform.translation.y, 0.2);
+  EXPECT_EQ(idl::text_of((**transform)->transforms._buffer[0].child_frame_id), "odom");
+  EXPECT_EQ(publishing->failures(), 0u);
+}
+
+TEST_F(DdsPublisherTest, SendsTheLastMapEvenRightAfterAnother) {
+  auto publishing = publisher();
+  auto map = std::make_shared<common::OccupancyGrid>();
+  map->width = map->height = 1;
+  map->cells = {0};
+  publishing->on_map(kStamp, map);
+  common::OccupancyGrid last = *map;
+  last.cells = {100};
+  publishing->finish({.map = &last});
+  auto maps = listen<idl::OccupancyGrid>("map", idl::QosProfile::kLatchedOutput);
+  const auto received = maps.take(kPatience);
+  ASSERT_TRUE(received && *received);
+  EXPECT_EQ((**received)->data._buffer[0], 100);
+}
+
+TEST_F(DdsPublisherTest, LimitsHowOftenAPathIsSent) {
+  auto paths = listen<idl::Path>("slamfuse/path/laser");
+  options_.path_period = 3600.0;
+  auto publishing = publisher();
+  for (int i = 0; i < 50; ++i) publishing->on_estimate(estimate(PoseSource::kLaser, i, kStamp + i));
+  publishing->finish({.laser = {{kStamp, {7.0, 0.0, 0.0}}}});
+  const auto first = paths.take(kPatience);
+  ASSERT_TRUE(first && *first);
+  EXPECT_EQ((**first)->poses._length, 1u);
+  const auto last = paths.take(kPatience);
+  ASSERT_TRUE(last && *last);
+  EXPECT_EQ((**last)->poses._buffer[0].pose.position.x, 7.0);
+  EXPECT_FALSE(*paths.take(100ms));
+}
+
+TEST_F(DdsPublisherTest, HoldsTheVisualPathBackUntilItIsAligned) {
+  auto paths = listen<idl::Path>("slamfuse/path/visual");
+  options_.path_period = 0.0;
+  std::optional<fusion::Alignment> alignment;
+  auto publishing = publisher([&] { return alignment; });
+  publishing->on_estimate(estimate(PoseSource::kVisual, 1.0, kStamp));
+  alignment = fusion::Alignment();  // refused
+  publishing->on_estimate(estimate(PoseSource::kVisual, 1.0, kStamp + 1));
+  EXPECT_FALSE(*paths.take(100ms));
+  alignment->accepted = true;
+  publishing->on_estimate(estimate(PoseSource::kVisual, 1.0, kStamp + 2));
+  const auto path = paths.take(kPatience);
+  ASSERT_TRUE(path && *path);
+  EXPECT_EQ((**path)->poses._length, 3u);
+}
+
+TEST_F(DdsPublisherTest, NeverMixesEpochsNorShowsLostPoses) {
+  auto paths = listen<idl::Path>("slamfuse/path/laser");
+  options_.path_period = 0.0;
+  auto publishing = publisher();
+  publishing->on_estimate(estimate(PoseSource::kLaser, 1.0, kStamp));
+  auto lost = estimate(PoseSource::kLaser, 2.0, kStamp + 1);
+  lost.state = common::TrackingState::kLost;
+  publishing->on_estimate(lost);
+  auto next = estimate(PoseSource::kLaser, 3.0, kStamp + 2);
+  next.map_epoch = 1;
+  publishing->on_estimate(next);
+  ASSERT_TRUE(*paths.take(kPatience));
+  const auto second = paths.take(kPatience);
+  ASSERT_TRUE(second && *second);
+  ASSERT_EQ((**second)->poses._length, 1u);
+  EXPECT_EQ((**second)->poses._buffer[0].pose.position.x, 3.0);
+}
+
+TEST_F(DdsPublisherTest, SendsTheLatestVerdictsTogether) {
+  auto statuses = listen<idl::FusionStatus>("slamfuse/status");
+  auto publishing = publisher();
+  publishing->on_status({kStamp, PoseSource::kLaser, fusion::Verdict::kTracking, 1.0, {}});
+  publishing->on_status({kStamp, PoseSource::kFused, fusion::Verdict::kSuspect, 0.5, {"they disagree"}});
+  ASSERT_TRUE(*statuses.take(kPatience));
+  const auto status = statuses.take(kPatience);
+  ASSERT_TRUE(status && *status);
+  EXPECT_EQ((**status)->state, 1);
+  EXPECT_EQ(idl::text_of((**status)->reasons._buffer[0]), "they disagree");
+  EXPECT_EQ((**status)->sources._length, 1u);
+}
+
+TEST_F(DdsPublisherTest, DoesNotWaitLongForListenersThatDoNotCome) {
+  options_.reader_wait = 0.1;
+  const auto started = std::chrono::steady_clock::now();
+  auto publishing = publisher();
+  publishing->finish({});
+  EXPECT_LT(std::chrono::steady_clock::now() - started, 3s);
+}
+
+TEST_F(DdsPublisherTest, RefusesABadDomain) {
+  const idl::ScopedEnvironment id("ROS_DOMAIN_ID", "many");
+  const auto created = DdsPublisher::create(options_, [] { return std::optional<fusion::Alignment>(); });
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().kind, common::ErrorKind::kInvalidInput);
+  EXPECT_THAT(created.error().message, testing::HasSubstr("ROS_DOMAIN_ID"));
+}
+
+}  // namespace
+}  // namespace slamfuse::service
