@@ -20,7 +20,7 @@ namespace slamfuse::common {
 namespace {
 
 /// Far above any real configuration, small enough that a hostile file costs nothing.
-constexpr std::uintmax_t kMaxBytes = 256 * 1024;
+constexpr std::size_t kMaxBytes = std::size_t{256} * 1024;
 constexpr std::size_t kMaxDepth = 16;
 constexpr std::size_t kMaxKeysPerMap = 1000;
 
