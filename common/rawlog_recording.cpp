@@ -56,6 +56,9 @@ class SourceArchive final : public mrpt::serialization::CArchive {
     }
   }
 
+  /// Why the data ended in the middle of an object; empty when it did not.
+  const std::string& failure() const { return failure_; }
+
   std::string getArchiveDescription() const override { return "rawlog"; }
 
  protected:
@@ -66,7 +69,7 @@ class SourceArchive final : public mrpt::serialization::CArchive {
       if (begin_ == end_) fill();
       if (begin_ == end_) {
         ended_between_objects_ = !object_begun_ && size == 0;
-        throw std::runtime_error("the file ends in the middle of an entry");
+        fail("the file ends in the middle of an entry");
       }
       const std::size_t count = std::min(length - size, end_ - begin_);
       std::copy_n(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_), count,
@@ -85,13 +88,20 @@ class SourceArchive final : public mrpt::serialization::CArchive {
     const Result<std::size_t> count = source_->read(buffer_);
     if (!count) {
       object_begun_ = true;  // damaged, even if between two objects
-      throw std::runtime_error(count.error().message);
+      fail(count.error().message);
     }
     begin_ = 0;
     end_ = *count;
   }
 
+  /// Keeps the reason, because MRPT throws another exception on the way up.
+  [[noreturn]] void fail(const std::string& reason) {
+    failure_ = reason;
+    throw std::runtime_error(reason);
+  }
+
   std::unique_ptr<ByteSource> source_;
+  std::string failure_;
   std::vector<char> buffer_ = std::vector<char>(1U << 16);
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
@@ -178,7 +188,8 @@ class RawlogReader {
     } catch (const std::exception& error) {
       ended_ = true;
       reject(last_sensor_, last_stamp_,
-             "damaged, cut short or of a kind MRPT does not know, nothing behind it can be read: " + told_by(error));
+             "damaged, cut short or of a kind MRPT does not know, nothing behind it can be read: " +
+                 (archive_.failure().empty() ? told_by(error) : archive_.failure()));
     }
   }
 

@@ -99,13 +99,14 @@ TEST_F(CarmenRecordingTest, KnowsTheAnglesOfSickScans) {
 
 TEST_F(CarmenRecordingTest, TakesTheMaximumRangeFromItsParameter) {
   EXPECT_DOUBLE_EQ(calibration(kHead + simple_flaser(2, 0, "1.0")).range_max, 50.0);
-  EXPECT_DOUBLE_EQ(
-      calibration("PARAM robot_front_laser_max 8.1 1.0 host 0\n" + simple_flaser(2, 0, "1.0")).range_max, 8.1);
+  EXPECT_DOUBLE_EQ(calibration("PARAM robot_front_laser_max 8.1 1.0 host 0\n" + simple_flaser(2, 0, "1.0")).range_max,
+                   8.1);
 }
 
 TEST_F(CarmenRecordingTest, ReadsRobotLaser1WithItsOwnGeometryAndSpeed) {
   const std::string line =
-      "ROBOTLASER1 0 -1.2 2.4 1.2 10.0 0.01 0 3 1.5 10.0 3.5 2 7 8 1.1 2.0 0.0 1.0 2.0 0.0 0.4 0.1 0.2 0.3 0.0 12.5 host "
+      "ROBOTLASER1 0 -1.2 2.4 1.2 10.0 0.01 0 3 1.5 10.0 3.5 2 7 8 1.1 2.0 0.0 1.0 2.0 0.0 0.4 0.1 0.2 0.3 0.0 12.5 "
+      "host "
       "0.7\n";
 
   const Contents contents = read(line);
@@ -174,9 +175,9 @@ TEST_F(CarmenRecordingTest, RejectsGarbledAndCutLinesAndGoesOn) {
 
 TEST_F(CarmenRecordingTest, RejectsImpossibleRobotLaser1Geometry) {
   const std::string good = "ROBOTLASER1 0 -1 2 1 10 0.01 0 3 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1.0 host 0.7\n";
-  for (const std::string& geometry : {"-1 2 0 10", "-1 2 9 10", "-1 2 1 0", "-99 2 1 10", "-1.1 2 1 10"}) {
+  for (const char* const geometry : {"-1 2 0 10", "-1 2 9 10", "-1 2 1 0", "-99 2 1 10", "-1.1 2 1 10"}) {
     const Contents contents =
-        read(good + "ROBOTLASER1 0 " + geometry + " 0.01 0 3 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1.0 host 0.7\n");
+        read(good + std::string("ROBOTLASER1 0 ") + geometry + " 0.01 0 3 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1.0 host 0.7\n");
     EXPECT_EQ(contents.messages.size(), 2U) << geometry;
     EXPECT_EQ(contents.rejected.size(), 1U) << geometry;
   }
@@ -239,7 +240,8 @@ TEST_F(CarmenRecordingTest, KeepsWhatWasReadBeforeCompressedDataEnds) {
 
 TEST_F(CarmenRecordingTest, TurnsTheReferenceIntoPosesOfBaseLink) {
   write_file(file_, kHead + simple_flaser(2, 0, "1.5"));
-  write_file(folder_.path() / "sample.reference.txt", "# index ipc logger x y theta\n0 1.5 0.1 1.0 2.0 1.5707963267949\n");
+  write_file(folder_.path() / "sample.reference.txt",
+             "# index ipc logger x y theta\n0 1.5 0.1 1.0 2.0 1.5707963267949\n");
 
   const Result<Trajectory2> truth = read_ground_truth(file_);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Flips bytes in and cuts small recordings at random, with a fixed seed: whatever the damage, reading ends with messages,
-// rejected messages or an error that says something, never with a crash, and what it gives is well-formed.
+// Flips bytes in and cuts small recordings at random, with a fixed seed: whatever the damage, reading ends with
+// messages, rejected messages or an error that says something, never with a crash, and what it gives is well-formed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using namespace samples;
 std::string damaged(std::string bytes, std::mt19937& random) {
   if (bytes.empty()) return bytes;
   if (random() % 4 == 0) return bytes.substr(0, random() % bytes.size());
-  for (unsigned flips = 1 + random() % 4; flips > 0; --flips) {
+  for (std::size_t flips = 1 + random() % 4; flips > 0; --flips) {
     bytes[random() % bytes.size()] = static_cast<char>(random() % 256);
   }
   return bytes;
@@ -46,8 +46,8 @@ TEST(DamagedRecordings, OfTheEurocLayoutNeverCrash) {
   std::mt19937 random(1);
   TemporaryFolder folder;
   write_euroc_sample(folder.path());
-  const std::vector<std::string> files{"odom0/data.csv",  "laser0/data.csv",  "laser0/sensor.yaml",
-                                       "cam0/data.csv",   "cam0/sensor.yaml", "cam0/data/1700000000400000000.jpg"};
+  const std::vector<std::string> files{"odom0/data.csv", "laser0/data.csv",  "laser0/sensor.yaml",
+                                       "cam0/data.csv",  "cam0/sensor.yaml", "cam0/data/1700000000400000000.jpg"};
   for (const std::string& file : files) {
     const std::string whole = read_file(folder.path() / file);
     for (int i = 0; i < 150; ++i) {
@@ -92,7 +92,7 @@ TEST(DamagedRecordings, OfRandomBytesAreRefused) {
   const std::vector<std::string> heads{"", "BZh9", "\x1F\x8B\x08", "SQLite format 3", "#ROSBAG V2.0\n"};
   for (int i = 0; i < 100; ++i) {
     std::string bytes = heads[static_cast<std::size_t>(i) % heads.size()];
-    for (unsigned size = random() % 500; size > 0; --size) bytes += static_cast<char>(random() % 256);
+    for (std::size_t size = random() % 500; size > 0; --size) bytes += static_cast<char>(random() % 256);
     write_file(folder.path() / "file", bytes);
     const auto recording = open_recording(folder.path() / "file");
     ASSERT_FALSE(recording);

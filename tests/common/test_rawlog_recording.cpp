@@ -36,7 +36,8 @@ class RawlogWriter {
     return *this;
   }
   std::string bytes() {
-    return {static_cast<const char*>(stream_.getRawBufferData()), static_cast<std::size_t>(stream_.getTotalBytesCount())};
+    return {static_cast<const char*>(stream_.getRawBufferData()),
+            static_cast<std::size_t>(stream_.getTotalBytesCount())};
   }
 
  private:
@@ -115,8 +116,7 @@ TEST_F(RawlogRecordingTest, ReadsObservationOnlyLogs) {
   mrpt::obs::CObservationComment comment;
   comment.text = "left alone";
 
-  const Contents contents =
-      read(RawlogWriter().add(comment).add(scan_at(0.4)).add(odometry).add(scan_at(0.6)).bytes());
+  const Contents contents = read(RawlogWriter().add(comment).add(scan_at(0.4)).add(odometry).add(scan_at(0.6)).bytes());
 
   ASSERT_FALSE(contents.error) << contents.error->message;
   ASSERT_EQ(contents.messages.size(), 3U);
@@ -257,8 +257,7 @@ TEST_F(RawlogRecordingTest, RefusesALogWithoutScanOrOdometry) {
 }
 
 TEST_F(RawlogRecordingTest, ReadsTheLogThatMrptShips) {
-  const std::filesystem::path file =
-      "/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog";
+  const std::filesystem::path file = "/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not installed (package mrpt-common)";
 
   const Contents contents = open_and_read_all(file);

@@ -17,7 +17,8 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A recording of odom0 at 0, 100, ... 900 ms and laser0 at 50, 250, ... 850 ms; a rejected message of laser0 at 450 ms.
+/// A recording of odom0 at 0, 100, ... 900 ms and laser0 at 50, 250, ... 850 ms; a rejected message of laser0 at 450
+/// ms.
 class MadeUpRecording final : public Recording {
  public:
   MadeUpRecording() {
