@@ -2,7 +2,9 @@
 #include "service/landmark_ply.hpp"
 
 #include <fmt/format.h>
+
 #include <Eigen/Core>
+#include "fusion/fused_map.hpp"
 
 namespace slamfuse::service {
 
@@ -11,12 +13,8 @@ std::string landmarks_to_ply(const std::vector<common::Landmark>& landmarks, con
       "ply\nformat ascii 1.0\ncomment slamfuse visual landmarks, frame {}\nelement vertex {}\nproperty float x\n"
       "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
       alignment.accepted ? "laser_map" : "visual_map", landmarks.size());
-  for (const auto& landmark : landmarks) {
-    Eigen::Vector3d point = landmark.position;
-    if (alignment.accepted) {
-      point.head<2>() = alignment.map * Eigen::Vector2d(point.head<2>());
-      point.z() *= alignment.mean_scale;
-    }
+  for (const auto& landmark : alignment.accepted ? fusion::to_laser_frame(landmarks, alignment) : landmarks) {
+    const Eigen::Vector3d& point = landmark.position;
     ply += fmt::format("{:.4f} {:.4f} {:.4f} {} {} {}\n", point.x(), point.y(), point.z(), landmark.gray, landmark.gray,
                        landmark.gray);
   }

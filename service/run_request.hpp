@@ -20,7 +20,7 @@ struct RunRequest {
   std::optional<std::filesystem::path> map;     ///< a map bundle to continue in
   std::vector<std::string> modules;             ///< "laser", "visual"; empty: all that the recording has sensors for
   std::vector<std::string> cameras;             ///< sensor names; empty: all
-  std::optional<double> from;                   ///< [s] from the recording's start
+  double from = 0.0;                            ///< [s] from the recording's start
   std::optional<double> to;                     ///< [s] from the recording's start
   std::map<std::string, double> arrival_delay;  ///< [s] by sensor name
   std::map<std::string, double> stamp_offset;   ///< [s] by sensor name

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/command_line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "common/config.hpp"
+#include "service/metrics.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+using common::Result;
+
+/// More threads than this are a typing error.
+constexpr int kMaxThreads = 256;
+
+/// The flags that choose the configuration, shared by several commands.
+struct ConfigurationFlags {
+  std::string file;
+  std::vector<std::string> settings;
+
+  void add_to(CLI::App& command) {
+    command.add_option("--config", file, "YAML file with options; `slamfuse options` prints them all");
+    command.add_option("--set", settings, "One option, after --config: KEY=VALUE, e.g. laser.particles=50; repeatable")
+        ->allow_extra_args(false);
+  }
+
+  Result<Configuration> read() const {
+    Configuration configuration;
+    const auto describe = [&configuration](common::OptionVisitor& visit) { configuration.describe(visit); };
+    if (!file.empty()) {
+      if (auto done = common::read_options(file, describe); !done) return tl::unexpected(done.error());
+    }
+    for (const auto& setting : settings) {
+      if (auto done = common::set_option(setting, describe); !done) return tl::unexpected(done.error());
+    }
+    return configuration;
+  }
+};
+
+/// "SENSOR=SECONDS" texts as a map.
+Result<std::map<std::string, double>> parse_seconds_by_sensor(const char* flag, const std::vector<std::string>& texts,
+                                                              double smallest) {
+  std::map<std::string, double> seconds;
+  for (const auto& text : texts) {
+    const std::size_t equals = text.rfind('=');
+    double value = 0.0;
+    const bool good = equals != std::string::npos && equals > 0 &&
+                      CLI::detail::lexical_cast(text.substr(equals + 1), value) && std::isfinite(value) &&
+                      value >= smallest;
+    if (!good) {
+      return common::usage_error(
+          fmt::format("{} {}: must be SENSOR=SECONDS{}", flag, text, smallest >= 0.0 ? ", not negative" : ""));
+    }
+    if (!seconds.emplace(text.substr(0, equals), value).second) {
+      return common::usage_error(fmt::format("{} {}: the sensor was given twice", flag, text));
+    }
+  }
+  return seconds;
+}
+
+/// A finite number from `smallest` on; CLI11's own range check lets NaN pass.
+CLI::Validator finite_from(double smallest) {
+  return CLI::Validator(
+      [smallest](const std::string& text) {
+        double value = 0.0;
+        if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= smallest) return std::string();
+        return fmt::format("{} is not a number from {} on", text, smallest);
+      },
+      fmt::format("FLOAT >= {}", smallest));
+}
+
+class RunFlags {
+ public:
+  explicit RunFlags(CLI::App& app) : command_(app.add_subcommand("run", "Laser and visual SLAM side by side, fused")) {
+    command_
+        ->add_option("RECORDING", request_.recording, "EuRoC/ASL folder, CARMEN log, MRPT rawlog or folder of images")
+        ->required();
+    command_->add_option("-o,--out", request_.out, "Folder for the results")->required();
+    configuration_.add_to(*command_);
+    command_->add_option("--mode", mode_, "slam: make a map")->check(CLI::IsMember({"slam", "localization"}));
+    command_->add_option("--map", map_, "Map bundle of an earlier run whose laser map is continued");
+    command_->add_option("--modules", request_.modules, "Which halves run: laser,visual (default: all with a sensor)")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember({"laser", "visual"}));
+    command_->add_option("--cameras", request_.cameras, "Cameras to use, e.g. cam0,cam1 (default: all)")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    command_->add_option("--visual-odometry", visual_odometry_, "Whether visual SLAM gets the wheel odometry")
+        ->check(CLI::IsMember({"on", "off"}));
+    command_->add_option("--from", request_.from, "Start this many seconds into the recording")
+        ->check(finite_from(0.0));
+    command_->add_option("--to", to_, "End this many seconds into the recording")->check(finite_from(0.0));
+    command_->add_option("--threads", request_.threads, "Threads to work with; the result is the same (default: all)")
+        ->check(CLI::Range(1, kMaxThreads));
+    command_->add_option("--seed", request_.seed, "Seed of everything random")->capture_default_str();
+    command_->add_option("--arrival-delay", arrival_delay_, "SENSOR=S: its messages arrive S seconds late; repeatable")
+        ->allow_extra_args(false);
+    command_->add_option("--stamp-offset", stamp_offset_, "SENSOR=S: its stamps are falsified by S seconds; repeatable")
+        ->allow_extra_args(false);
+    command_->add_flag("--dds", request_.dds, "Publish pose, map and tf as ROS 2 topics while running");
+    command_->add_option("--rate", request_.rate, "Recording seconds in a second; 0: as fast as possible")
+        ->check(finite_from(0.0));
+  }
+
+  bool chosen() const { return command_->parsed(); }
+
+  Result<CommandRequest> request() {
+    if (mode_ == "localization") {
+      return common::usage_error("--mode localization: not available in this version, only slam");
+    }
+    if (visual_odometry_ == "off") {
+      return common::usage_error(
+          "--visual-odometry off: not available in this version, visual SLAM needs the odometry");
+    }
+    auto configuration = configuration_.read();
+    if (!configuration) return tl::unexpected(configuration.error());
+    auto delay = parse_seconds_by_sensor("--arrival-delay", arrival_delay_, 0.0);
+    if (!delay) return tl::unexpected(delay.error());
+    auto offset = parse_seconds_by_sensor("--stamp-offset", stamp_offset_, -HUGE_VAL);
+    if (!offset) return tl::unexpected(offset.error());
+    request_.configuration = *configuration;
+    request_.arrival_delay = *delay;
+    request_.stamp_offset = *offset;
+    request_.to = to_;
+    if (map_) request_.map = *map_;
+    return request_;
+  }
+
+ private:
+  CLI::App* command_;
+  ConfigurationFlags configuration_;
+  RunRequest request_ = with_all_threads();
+  std::string mode_ = "slam";
+  std::optional<std::string> map_;
+  std::string visual_odometry_ = "on";
+  std::optional<double> to_;
+  std::vector<std::string> arrival_delay_;
+  std::vector<std::string> stamp_offset_;
+
+  static RunRequest with_all_threads() {
+    RunRequest request;
+    request.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxThreads);
+    return request;
+  }
+};
+
+class AlignFlags {
+ public:
+  explicit AlignFlags(CLI::App& app)
+      : command_(app.add_subcommand("align", "Align the trajectories of any two SLAM systems")) {
+    command_->add_option("LASER", request_.laser, "Trajectory in metres (TUM or `t x y theta`)")->required();
+    command_->add_option("VISUAL", request_.visual, "Trajectory of any scale (TUM or `t x y theta`)")->required();
+    command_->add_option("-o,--out", request_.out, "Folder for the results")->required();
+    command_->add_option("--method", method_, "similarity, affine, seed004 or auto");
+    command_->add_option("--seed", request_.seed, "Seed of everything random")->capture_default_str();
+    configuration_.add_to(*command_);
+  }
+
+  bool chosen() const { return command_->parsed(); }
+
+  Result<CommandRequest> request() {
+    if (!method_.empty()) configuration_.settings.push_back("fusion.alignment.method=" + method_);
+    auto configuration = configuration_.read();
+    if (!configuration) return tl::unexpected(configuration.error());
+    request_.options = configuration->fusion.alignment;
+    return request_;
+  }
+
+ private:
+  CLI::App* command_;
+  ConfigurationFlags configuration_;
+  AlignRequest request_;
+  std::string method_;
+};
+
+class EvaluateFlags {
+ public:
+  explicit EvaluateFlags(CLI::App& app)
+      : command_(app.add_subcommand("evaluate", "Compare a trajectory with a reference")) {
+    command_->add_option("ESTIMATE", request_.estimate, "Trajectory of base_link (TUM or `t x y theta`)")->required();
+    command_->add_option("REFERENCE", reference_,
+                         "Trajectory, recording with ground truth, or reference of a corrected CARMEN log");
+    command_->add_option("--align", align_, "How the estimate is fitted first")
+        ->check(CLI::IsMember({"se2", "sim2", "none"}))
+        ->capture_default_str();
+    command_->add_option("--align-as", align_as_, "EST REF: apply the transform fitted on this pair instead")
+        ->expected(2);
+    command_->add_option("--relations", relations_, "Relations file: the metric of Kuemmerle et al. 2009");
+    command_->add_flag("--json", request_.json, "Print JSON");
+  }
+
+  bool chosen() const { return command_->parsed(); }
+
+  Result<CommandRequest> request() {
+    if (reference_.empty() && relations_.empty()) {
+      return common::usage_error("evaluate: give a REFERENCE, or --relations, or both");
+    }
+    if (!align_as_.empty() && reference_.empty()) return common::usage_error("--align-as: needs a REFERENCE");
+    if (!reference_.empty()) request_.reference = reference_;
+    if (!relations_.empty()) request_.relations = relations_;
+    if (!align_as_.empty()) request_.align_as = {align_as_[0], align_as_[1]};
+    using common::EvaluationAlignment;
+    request_.align = align_ == "sim2"   ? EvaluationAlignment::kSim2
+                     : align_ == "none" ? EvaluationAlignment::kNone
+                                        : EvaluationAlignment::kSe2;
+    return request_;
+  }
+
+ private:
+  CLI::App* command_;
+  EvaluateRequest request_;
+  std::string reference_;
+  std::string align_ = "se2";
+  std::vector<std::string> align_as_;
+  std::string relations_;
+};
+
+class InfoFlags {
+ public:
+  explicit InfoFlags(CLI::App& app)
+      : command_(app.add_subcommand("info", "What is in a recording or in a map bundle")) {
+    command_->add_option("PATH", request_.path, "Recording or map bundle")->required();
+  }
+  bool chosen() const { return command_->parsed(); }
+  Result<CommandRequest> request() const { return request_; }
+
+ private:
+  CLI::App* command_;
+  InfoRequest request_;
+};
+
+class OptionsFlags {
+ public:
+  explicit OptionsFlags(CLI::App& app)
+      : command_(app.add_subcommand("options", "Print every option with its default, unit, range and meaning")) {
+    command_->add_option("--format", format_, "yaml: a file for --config; markdown: tables; text")
+        ->check(CLI::IsMember({"yaml", "markdown", "text"}))
+        ->capture_default_str();
+    configuration_.add_to(*command_);
+  }
+  bool chosen() const { return command_->parsed(); }
+  Result<CommandRequest> request() const {
+    auto configuration = configuration_.read();
+    if (!configuration) return tl::unexpected(configuration.error());
+    const auto describe = [&](common::OptionVisitor& visit) { configuration->describe(visit); };
+    if (format_ == "markdown") return PrintRequest{common::options_to_markdown(describe)};
+    if (format_ == "text") return PrintRequest{common::options_to_help(describe)};
+    return PrintRequest{common::options_to_yaml(describe)};
+  }
+
+ private:
+  CLI::App* command_;
+  ConfigurationFlags configuration_;
+  std::string format_ = "yaml";
+};
+
+}  // namespace
+
+Result<CommandRequest> parse_command_line(int argc, const char* const* argv) {
+  CLI::App app("Laser and visual SLAM side by side, one trusted pose out.", "slamfuse");
+  app.set_version_flag("--version", std::string("slamfuse ") + program_version());
+  app.require_subcommand(1);
+  RunFlags run(app);
+  AlignFlags align(app);
+  EvaluateFlags evaluate(app);
+  InfoFlags info(app);
+  OptionsFlags options(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = app.get_subcommands();
+    return PrintRequest{chosen.empty() ? app.help() : chosen.front()->help("slamfuse")};
+  } catch (const CLI::CallForVersion& version) {
+    return PrintRequest{std::string(version.what()) + "\n"};
+  } catch (const CLI::Error& error) {
+    return common::usage_error(std::string(error.what()) + "\nRun with --help for more information.");
+  }
+  if (run.chosen()) return run.request();
+  if (align.chosen()) return align.request();
+  if (evaluate.chosen()) return evaluate.request();
+  if (info.chosen()) return info.request();
+  return options.request();
+}
+
+}  // namespace slamfuse::service

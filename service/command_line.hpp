@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "common/error.hpp"
+#include "service/align_command.hpp"
+#include "service/evaluate_command.hpp"
+#include "service/info_command.hpp"
+#include "service/run_request.hpp"
+
+namespace slamfuse::service {
+
+/// Text to print and be done: --help, --version, the table of options.
+struct PrintRequest {
+  std::string text;
+};
+
+/// What the user asked for.
+using CommandRequest = std::variant<PrintRequest, RunRequest, AlignRequest, EvaluateRequest, InfoRequest>;
+
+/// Reads the command line, and the configuration file it names. Errors: kUsage for the command line itself,
+/// kInvalidInput for the configuration file.
+common::Result<CommandRequest> parse_command_line(int argc, const char* const* argv);
+
+}  // namespace slamfuse::service

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/map_yaml.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+#include <Eigen/Core>
+
+namespace slamfuse::service {
+namespace {
+
+constexpr const char* kFormat = "slamfuse map";
+constexpr int kFormatVersion = 1;
+
+bool has_file(const std::vector<MapBundleFile>& files, const std::string& name) {
+  return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.name == name; });
+}
+
+/// All digits, so that a reader gets the same number back.
+std::string row_major(const Eigen::Matrix4d& matrix) {
+  std::string text = "[";
+  for (int i = 0; i < 16; ++i) text += fmt::format("{}{}", i == 0 ? "" : ", ", matrix(i / 4, i % 4));
+  return text + "]";
+}
+
+std::string quoted(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << YAML::DoubleQuoted << text;
+  return emitter.c_str();
+}
+
+void emit_maps(std::string& yaml, const MapBundle& bundle, const std::vector<MapBundleFile>& files) {
+  if (has_file(files, kGridImage)) {
+    yaml += fmt::format("laser_maps:\n  - id: 0\n    frame: laser_map\n    grid: {}\n", kGridYaml);
+    if (has_file(files, kLaserState)) yaml += fmt::format("    state: {}\n", kLaserState);
+  } else {
+    yaml += "laser_maps: []\n";
+  }
+  if (has_file(files, kLandmarks)) {
+    yaml += fmt::format("visual_maps:\n  - id: 0\n    frame: visual_map\n    landmarks: {}\n    points: {}\n",
+                        kLandmarks, kLandmarksPly);
+    const bool aligned = bundle.alignment && bundle.alignment->accepted;
+    yaml += fmt::format("    points_frame: {}\n", aligned ? "laser_map" : "visual_map");
+  } else {
+    yaml += "visual_maps: []\n";
+  }
+}
+
+/// G_LV and its factors (seed 004 eq. 7), 4x4 row by row, acting on (x, y, 0, 1) in the visual map's frame.
+void emit_links(std::string& yaml, const MapBundle& bundle) {
+  if (!bundle.alignment) {
+    yaml += "links: []\n";
+    return;
+  }
+  const fusion::Alignment& alignment = *bundle.alignment;
+  const fusion::MappingMatrix& mapping = alignment.mapping;
+  const std::array<std::pair<const char*, Eigen::Matrix4d>, 8> matrices{{{"T_traj_laser", mapping.T_traj_laser},
+                                                                         {"R_laser", mapping.R_laser},
+                                                                         {"T_curv_laser", mapping.T_curv_laser},
+                                                                         {"T_ess", mapping.T_ess},
+                                                                         {"T_curv_visual", mapping.T_curv_visual},
+                                                                         {"R_visual", mapping.R_visual},
+                                                                         {"T_traj_visual", mapping.T_traj_visual},
+                                                                         {"G_LV", mapping.product()}}};
+  yaml += fmt::format(
+      "links:\n  - from: {{visual_map: 0}}\n    to: {{laser_map: 0}}\n    verdict: {}\n    reason: {}\n    method: {}\n"
+      "    mean_scale: {}\n    heading_offset: {}\n",
+      alignment.accepted ? "accepted" : "refused", quoted(alignment.reason), to_string(alignment.method),
+      alignment.mean_scale, alignment.heading_offset);
+  for (const auto& [name, matrix] : matrices) yaml += fmt::format("    {}: {}\n", name, row_major(matrix));
+}
+
+tl::unexpected<common::Error> refused(const std::string& reason) {
+  return common::invalid_input(fmt::format("{}: {}", kMapYaml, reason));
+}
+
+/// A plain name: nothing that leads out of the folder.
+bool is_plain_name(const std::string& name) {
+  return !name.empty() && name != "." && name != ".." && name.find_first_of("/\\") == std::string::npos &&
+         name.find('\0') == std::string::npos;
+}
+
+std::uint32_t parse_crc(const std::string& text) {
+  std::uint32_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
+  if (error != std::errc{} || end != text.data() + text.size())
+    throw YAML::Exception(YAML::Mark(), "bad crc32 " + text);
+  return value;
+}
+
+MapBundleSummary summary_of(const YAML::Node& root) {
+  MapBundleSummary summary;
+  summary.program_version = root["slamfuse"].as<std::string>();
+  summary.seed = root["seed"].as<std::uint64_t>();
+  summary.recording = root["recording"].as<std::string>();
+  summary.incomplete = root["incomplete"].as<bool>();
+  for (const auto& link : root["links"]) {
+    if (link["verdict"].as<std::string>() == "accepted") summary.aligned = true;
+  }
+  for (const auto& file : root["files"]) {
+    summary.files.push_back({file["name"].as<std::string>(), file["bytes"].as<std::uintmax_t>(),
+                             parse_crc(file["crc32"].as<std::string>())});
+  }
+  return summary;
+}
+
+}  // namespace
+
+std::string map_yaml_of(const MapBundle& bundle, const std::vector<MapBundleFile>& files) {
+  std::string yaml = fmt::format(
+      "format: {}\nversion: {}\nslamfuse: {}\nseed: {}\nrecording: {}\nincomplete: {}\n"
+      "# Frames are z-up; poses are of base_link. Matrices are row by row and map visual_map to laser_map.\n",
+      kFormat, kFormatVersion, quoted(bundle.program_version), bundle.seed, quoted(bundle.recording),
+      bundle.incomplete);
+  emit_maps(yaml, bundle, files);
+  emit_links(yaml, bundle);
+  yaml += "files:\n";
+  for (const auto& file : files) {
+    yaml += fmt::format("  - {{name: {}, bytes: {}, crc32: \"{:08x}\"}}\n", file.name, file.bytes, file.crc32);
+  }
+  return yaml;
+}
+
+common::Result<MapBundleSummary> parse_map_yaml(const std::string& text) {
+  MapBundleSummary summary;
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (!root.IsMap() || root["format"].as<std::string>() != kFormat) {
+      return refused(fmt::format("'format' must be '{}'", kFormat));
+    }
+    const int version = root["version"].as<int>();
+    if (version != kFormatVersion) {
+      return refused(fmt::format("format version {}, this program reads {}", version, kFormatVersion));
+    }
+    summary = summary_of(root);
+  } catch (const std::exception& exception) {
+    return refused(exception.what());
+  }
+  for (const auto& file : summary.files) {
+    if (!is_plain_name(file.name)) return refused(fmt::format("'{}' is not the name of a file of the map", file.name));
+    if (file.bytes > kMaxMapFileBytes) {
+      return refused(fmt::format("{} has {} bytes, at most {} are allowed", file.name, file.bytes, kMaxMapFileBytes));
+    }
+  }
+  return summary;
+}
+
+}  // namespace slamfuse::service

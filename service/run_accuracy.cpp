@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/run_accuracy.hpp"
+
+#include "common/recording.hpp"
+#include "common/trajectory_coverage.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+/// The part of a trajectory between two stamps.
+common::Trajectory2 between(const common::Trajectory2& trajectory, common::Nanoseconds first,
+                            common::Nanoseconds last) {
+  common::Trajectory2 part;
+  for (const auto& pose : trajectory) {
+    if (pose.stamp >= first && pose.stamp <= last) part.push_back(pose);
+  }
+  return part;
+}
+
+/// Stamps without holes from first to last: what coverage refers to where there is no truth.
+common::Trajectory2 clock_ticks(common::Nanoseconds first, common::Nanoseconds last) {
+  common::Trajectory2 ticks;
+  for (common::Nanoseconds stamp = first; stamp <= last; stamp += common::kReferenceHole / 2) {
+    ticks.push_back({stamp, {}});
+  }
+  return ticks;
+}
+
+}  // namespace
+
+common::Result<void> judge(const std::filesystem::path& recording, RunSummary& summary) {
+  const auto truth = common::read_ground_truth(recording);
+  if (!truth) return tl::unexpected(truth.error());
+  summary.truth = between(common::sorted_by_stamp(*truth), summary.first_stamp, summary.last_stamp);
+
+  const auto time = summary.truth.empty() ? clock_ticks(summary.first_stamp, summary.last_stamp) : summary.truth;
+  for (const auto& [source, counters] : summary.counters) {
+    const auto trajectory = summary.log.trajectories.find(source);
+    summary.coverage[source] =
+        trajectory == summary.log.trajectories.end() ? 0.0 : common::trajectory_coverage(trajectory->second, time);
+  }
+  if (summary.truth.empty()) return {};
+  for (const auto& [name, trajectory] : summary.trajectories) {
+    // A trajectory with too little in common with the truth has no accuracy; its row is left out.
+    if (auto accuracy = common::evaluate_trajectory(trajectory, summary.truth)) {
+      summary.accuracy.push_back({name, std::move(*accuracy)});
+    }
+  }
+  return {};
+}
+
+}  // namespace slamfuse::service

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/run_command.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "service/output_folder.hpp"
+#include "service/report.hpp"
+#include "service/run_files.hpp"
+#include "service/run_report.hpp"
+#include "service/run_session.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+bool has_pose(const RunSummary& summary) {
+  return std::any_of(summary.trajectories.begin(), summary.trajectories.end(),
+                     [](const auto& named) { return named.name != "odometry" && !named.trajectory.empty(); });
+}
+
+std::string in_words(const RunSummary& summary, const OutputFolder& folder) {
+  std::string text = verdict_in_words(report_of(summary)) + "\n";
+  for (const auto& row : summary.accuracy) {
+    text += fmt::format("  {:<13} ATE {:.3f} m rmse, {:.3f} m max, heading {:.2f} deg rmse, coverage {:.3f}\n",
+                        row.name, row.accuracy.ate_rmse_m, row.accuracy.ate_max_m, row.accuracy.heading_rmse_deg,
+                        row.accuracy.coverage);
+  }
+  return text + fmt::format("  {:.1f} s of recording in {:.1f} s, results in {}\n", summary.duration_s, summary.wall_s,
+                            folder.path().string());
+}
+
+}  // namespace
+
+common::Result<std::string> run_recording(const RunRequest& request, PipelineObserver* progress,
+                                          const std::atomic<bool>& stop) {
+  auto session = RunSession::create(request);
+  if (!session) return tl::unexpected(session.error());
+  const auto folder = OutputFolder::create(request.out);
+  if (!folder) return tl::unexpected(folder.error());
+
+  ObserverList observers;
+  if (progress != nullptr) observers.add(*progress);
+  const auto summary = session->run(&observers, stop);
+  if (!summary) return tl::unexpected(summary.error());
+
+  auto done = write_run_files(*summary, **folder);
+  if (done) done = (*folder)->publish();
+  if (!done) return tl::unexpected(done.error());
+  if (summary->incomplete) {
+    return tl::unexpected(common::Error{common::ErrorKind::kInterrupted,
+                                        "interrupted; what was computed so far is in " + (*folder)->path().string()});
+  }
+  if (!has_pose(*summary)) {
+    return common::failed("no module could make a pose of this recording; see the events in " +
+                          ((*folder)->path() / "metrics.json").string());
+  }
+  return in_words(*summary, **folder);
+}
+
+}  // namespace slamfuse::service

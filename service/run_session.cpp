@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/run_session.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/resource.h>
+
+#include "common/replay.hpp"
+#include "service/map_bundle.hpp"
+#include "service/pipeline.hpp"
+#include "service/run_accuracy.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+using common::PoseSource;
+
+/// fusion::Fusion as the pipeline wants it.
+class TrajectoryFusion : public FusionStage {
+ public:
+  explicit TrajectoryFusion(fusion::Fusion& fusion) : fusion_(fusion) {}
+  fusion::FusionOutput process(const common::WheelOdometry& odometry) override { return fusion_.process(odometry); }
+  fusion::FusionOutput process(const common::PoseEstimate& estimate) override { return fusion_.process(estimate); }
+
+ private:
+  fusion::Fusion& fusion_;
+};
+
+/// The processed stretch of time.
+class Span : public PipelineObserver {
+ public:
+  void on_step(common::Nanoseconds stamp) override {
+    first_ = steps_ == 0 ? stamp : std::min(first_, stamp);
+    last_ = steps_ == 0 ? stamp : std::max(last_, stamp);
+    ++steps_;
+  }
+  common::Nanoseconds first() const { return first_; }
+  common::Nanoseconds last() const { return last_; }
+
+ private:
+  std::size_t steps_ = 0;
+  common::Nanoseconds first_ = 0;
+  common::Nanoseconds last_ = 0;
+};
+
+std::vector<std::string> sensors_of_kind(const common::RecordingInfo& info, common::SensorKind kind) {
+  std::vector<std::string> names;
+  for (const auto& [name, sensor] : info.sensors) {
+    if (sensor.kind == kind) names.push_back(name);
+  }
+  return names;
+}
+
+/// Whether a module takes part: asked for, or nothing was asked for and its sensor is there.
+bool takes_part(const RunRequest& request, const std::string& module, bool has_sensor) {
+  if (request.modules.empty()) return has_sensor;
+  return std::find(request.modules.begin(), request.modules.end(), module) != request.modules.end();
+}
+
+common::ReplayOptions replay_options_of(const RunRequest& request) {
+  common::ReplayOptions options;
+  options.from = request.from;
+  options.to = request.to;
+  options.arrival_delay = request.arrival_delay;
+  options.stamp_offset = request.stamp_offset;
+  return options;
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024.0 / 1e6;
+}
+
+}  // namespace
+
+common::Result<RunSession> RunSession::create(const RunRequest& request) {
+  RunSession session(request);
+  auto recording = common::open_recording(request.recording);
+  if (!recording) return tl::unexpected(recording.error());
+  auto replayed = common::replay(std::move(*recording), replay_options_of(request));
+  if (!replayed) return tl::unexpected(replayed.error());
+  session.recording_ = std::move(*replayed);
+
+  if (auto made = session.make_laser(); !made) return tl::unexpected(made.error());
+  if (auto made = session.make_visual(); !made) return tl::unexpected(made.error());
+  if (!session.laser_ && !session.visual_) {
+    return common::invalid_input(request.recording.string() + ": neither a laser nor a camera, nothing to do");
+  }
+  if (auto restored = session.restore_map(); !restored) return tl::unexpected(restored.error());
+  auto fusion = fusion::Fusion::create(request.configuration.fusion);
+  if (!fusion) return tl::unexpected(fusion.error());
+  session.fusion_ = std::move(*fusion);
+  return session;
+}
+
+common::Result<void> RunSession::make_laser() {
+  const auto lasers = sensors_of_kind(recording(), common::SensorKind::kLaser);
+  if (!takes_part(request_, "laser", !lasers.empty())) return {};
+  if (lasers.empty())
+    return common::invalid_input(request_.recording.string() + ": --modules laser, but no laser in it");
+  auto laser =
+      laser_slam::LaserSlam::create(request_.configuration.laser, lasers.front(),
+                                    recording().calibration.lasers.at(lasers.front()), request_.seed, request_.threads);
+  if (!laser) return tl::unexpected(laser.error());
+  laser_ = std::move(*laser);
+  return {};
+}
+
+common::Result<void> RunSession::make_visual() {
+  const auto cameras = sensors_of_kind(recording(), common::SensorKind::kCamera);
+  if (!takes_part(request_, "visual", !cameras.empty())) return {};
+  if (cameras.empty()) {
+    return common::invalid_input(request_.recording.string() + ": --modules visual, but no camera in it");
+  }
+  std::map<std::string, common::CameraCalibration> chosen;
+  for (const auto& name : request_.cameras.empty() ? cameras : request_.cameras) {
+    const auto calibration = recording().calibration.cameras.find(name);
+    if (calibration == recording().calibration.cameras.end()) {
+      return common::usage_error(
+          fmt::format("--cameras: the recording has no camera '{}', it has {}", name, fmt::join(cameras, ", ")));
+    }
+    chosen.insert(*calibration);
+  }
+  auto visual = visual_slam::VisualSlam::create(request_.configuration.visual, chosen, request_.seed, request_.threads);
+  if (!visual) return tl::unexpected(visual.error());
+  visual_ = std::move(*visual);
+  return {};
+}
+
+common::Result<void> RunSession::restore_map() {
+  if (!request_.map) return {};
+  if (!laser_) return common::usage_error("--map: continuing in a map needs the laser module");
+  auto bundle = read_map_bundle(*request_.map);
+  if (!bundle) return tl::unexpected(bundle.error());
+  if (bundle->laser_state.empty()) return common::invalid_input(request_.map->string() + ": holds no laser map");
+  return laser_->restore(bundle->laser_state);
+}
+
+common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std::atomic<bool>& stop) {
+  RunRecorder recorder;
+  Span span;
+  ObserverList observers;
+  observers.add(recorder);
+  observers.add(span);
+  if (observer != nullptr) observers.add(*observer);
+
+  TrajectoryFusion fusion(*fusion_);
+  PipelineParts parts{recording_.get(), {}, &fusion, &observers};
+  if (laser_) parts.modules.push_back({laser_.get(), [this] { return laser_->grid(); }});
+  if (visual_) parts.modules.push_back({visual_.get(), nullptr});
+
+  const ServiceOptions& service = request_.configuration.service;
+  PipelineOptions options;
+  options.threads = request_.threads;
+  options.queue_capacity = static_cast<std::size_t>(service.queue_capacity);
+  options.command_delay = service.command_delay;
+  options.map_interval = observer != nullptr ? common::from_seconds(service.map_interval) : 0;
+  options.rate = request_.rate;
+
+  const auto start = std::chrono::steady_clock::now();
+  const auto outcome = run_pipeline(parts, options, stop);
+  if (!outcome) return tl::unexpected(outcome.error());
+
+  RunSummary summary;
+  summary.seed = request_.seed;
+  summary.recording = request_.recording.string();
+  summary.incomplete = outcome->interrupted;
+  summary.counters = outcome->counters;
+  summary.log = recorder.log();
+  summary.first_stamp = span.first();
+  summary.last_stamp = span.last();
+  summary.duration_s = common::to_seconds(span.last() - span.first());
+  gather(summary);
+  summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.peak_rss_mb = peak_rss_mb();
+  if (auto judged = judge(request_.recording, summary); !judged) return tl::unexpected(judged.error());
+  return summary;
+}
+
+void RunSession::gather(RunSummary& summary) const {
+  const auto laser_final = laser_ ? laser_->final_trajectory() : common::Trajectory2{};
+  const auto visual_final = visual_ ? visual_->final_trajectory() : common::Trajectory2{};
+  const auto fused = fusion_->finish(laser_final, visual_final);
+  if (laser_ && visual_) summary.alignment = fused.alignment;
+  summary.log.events.insert(summary.log.events.end(), fused.events.begin(), fused.events.end());
+
+  for (const auto source : {PoseSource::kOdometry, PoseSource::kLaser, PoseSource::kVisual, PoseSource::kFused}) {
+    const bool ran = summary.counters.contains(source) || summary.log.trajectories.contains(source);
+    if (ran) summary.trajectories.push_back({common::to_string(source), summary.log.trajectories[source]});
+  }
+  if (laser_) summary.trajectories.push_back({"laser_final", laser_final});
+  if (visual_) summary.trajectories.push_back({"visual_final", visual_final});
+  summary.trajectories.push_back({"fused_final", fused.fused_final});
+
+  if (laser_) {
+    summary.grid = laser_->grid();
+    summary.laser_state = laser_->serialize().value_or(std::string());
+  }
+  if (visual_) summary.landmarks = visual_->landmarks();
+}
+
+}  // namespace slamfuse::service

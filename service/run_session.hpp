@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "common/error.hpp"
+#include "common/recording.hpp"
+#include "fusion/fusion.hpp"
+#include "laser_slam/laser_slam.hpp"
+#include "service/pipeline_observer.hpp"
+#include "service/run_request.hpp"
+#include "service/run_summary.hpp"
+#include "visual_slam/visual_slam.hpp"
+
+namespace slamfuse::service {
+
+/// A recording with the modules that a request wants on it, ready to run once.
+class RunSession {
+ public:
+  /// Opens the recording and the map and makes the modules; writes nothing. Errors: what cannot be read or is not in
+  /// the recording (kInvalidInput), what the command line got wrong (kUsage).
+  static common::Result<RunSession> create(const RunRequest& request);
+
+  const common::RecordingInfo& recording() const { return recording_->info(); }
+
+  /// Runs the recording through and gathers the results. `observer` (may be missing) watches. Setting `stop` ends it
+  /// early with what there is so far, marked incomplete. Errors: no module made a pose (kFailed), and those of
+  /// run_pipeline() and judge().
+  common::Result<RunSummary> run(PipelineObserver* observer, const std::atomic<bool>& stop);
+
+ private:
+  explicit RunSession(const RunRequest& request) : request_(request) {}
+  common::Result<void> make_laser();
+  common::Result<void> make_visual();
+  common::Result<void> restore_map();
+  void gather(RunSummary& summary) const;
+
+  RunRequest request_;
+  std::unique_ptr<common::Recording> recording_;
+  std::unique_ptr<laser_slam::LaserSlam> laser_;
+  std::unique_ptr<visual_slam::VisualSlam> visual_;
+  std::unique_ptr<fusion::Fusion> fusion_;
+};
+
+}  // namespace slamfuse::service
