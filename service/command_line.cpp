@@ -80,6 +80,17 @@ CLI::Validator finite_from(double smallest) {
       fmt::format("FLOAT >= {}", smallest));
 }
 
+/// A seed; CLI11 would take -1 for the largest number there is.
+CLI::Validator whole_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        const bool good =
+            !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+        return good ? std::string() : text + " is not a whole number from 0 on";
+      },
+      "UINT");
+}
+
 class RunFlags {
  public:
   explicit RunFlags(CLI::App& app) : command_(app.add_subcommand("run", "Laser and visual SLAM side by side, fused")) {
@@ -104,7 +115,9 @@ class RunFlags {
     command_->add_option("--to", to_, "End this many seconds into the recording")->check(finite_from(0.0));
     command_->add_option("--threads", request_.threads, "Threads to work with; the result is the same (default: all)")
         ->check(CLI::Range(1, kMaxThreads));
-    command_->add_option("--seed", request_.seed, "Seed of everything random")->capture_default_str();
+    command_->add_option("--seed", request_.seed, "Seed of everything random")
+        ->check(whole_number())
+        ->capture_default_str();
     command_->add_option("--arrival-delay", arrival_delay_, "SENSOR=S: its messages arrive S seconds late; repeatable")
         ->allow_extra_args(false);
     command_->add_option("--stamp-offset", stamp_offset_, "SENSOR=S: its stamps are falsified by S seconds; repeatable")
@@ -164,7 +177,9 @@ class AlignFlags {
     command_->add_option("VISUAL", request_.visual, "Trajectory of any scale (TUM or `t x y theta`)")->required();
     command_->add_option("-o,--out", request_.out, "Folder for the results")->required();
     command_->add_option("--method", method_, "similarity, affine, seed004 or auto");
-    command_->add_option("--seed", request_.seed, "Seed of everything random")->capture_default_str();
+    command_->add_option("--seed", request_.seed, "Seed of everything random")
+        ->check(whole_number())
+        ->capture_default_str();
     configuration_.add_to(*command_);
   }
 

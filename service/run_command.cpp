@@ -2,9 +2,12 @@
 #include "service/run_command.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
+#include "fusion/fused_map.hpp"
+#include "service/dds_publisher.hpp"
 #include "service/output_folder.hpp"
 #include "service/report.hpp"
 #include "service/run_files.hpp"
@@ -30,6 +33,33 @@ std::string in_words(const RunSummary& summary, const OutputFolder& folder) {
                             folder.path().string());
 }
 
+/// What a listener on DDS gets at the end: all in the laser map's frame. Refers to the summary's grid.
+DdsFinalState final_state_of(const RunSummary& summary) {
+  DdsFinalState state;
+  if (summary.grid) state.map = &*summary.grid;
+  const bool aligned = summary.alignment && summary.alignment->accepted;
+  for (const auto& [name, trajectory] : summary.trajectories) {
+    if (name == "laser_final") state.laser = trajectory;
+    if (name == "visual_final" && aligned) state.visual = fusion::to_laser_frame(trajectory, *summary.alignment);
+    if (name == "fused_final") state.fused = trajectory;
+  }
+  if (aligned) state.landmarks = fusion::to_laser_frame(summary.landmarks, *summary.alignment);
+  return state;
+}
+
+/// The publisher `--dds` asks for; none otherwise.
+common::Result<std::unique_ptr<DdsPublisher>> make_publisher(const RunRequest& request, const RunSession& session) {
+  if (!request.dds) return std::unique_ptr<DdsPublisher>();
+  return DdsPublisher::create(request.configuration.service.dds, [&session] { return session.alignment(); });
+}
+
+void tell_failures(const DdsPublisher& publisher, RunSummary& summary) {
+  if (publisher.failures() == 0) return;
+  summary.log.events.push_back({summary.last_stamp, "dds", "send_failed",
+                                fmt::format("{} messages could not be sent, the first: {}", publisher.failures(),
+                                            publisher.first_failure()->message)});
+}
+
 }  // namespace
 
 common::Result<std::string> run_recording(const RunRequest& request, PipelineObserver* progress,
@@ -39,10 +69,15 @@ common::Result<std::string> run_recording(const RunRequest& request, PipelineObs
   const auto folder = OutputFolder::create(request.out);
   if (!folder) return tl::unexpected(folder.error());
 
+  const auto publisher = make_publisher(request, *session);
+  if (!publisher) return tl::unexpected(publisher.error());
+
   ObserverList observers;
+  if (*publisher) observers.add(**publisher);
   if (progress != nullptr) observers.add(*progress);
-  const auto summary = session->run(&observers, stop);
+  auto summary = session->run(&observers, stop);
   if (!summary) return tl::unexpected(summary.error());
+  if (*publisher) tell_failures(**publisher, *summary);
 
   auto done = write_run_files(*summary, **folder);
   if (done) done = (*folder)->publish();
@@ -51,6 +86,7 @@ common::Result<std::string> run_recording(const RunRequest& request, PipelineObs
     return tl::unexpected(common::Error{common::ErrorKind::kInterrupted,
                                         "interrupted; what was computed so far is in " + (*folder)->path().string()});
   }
+  if (*publisher) (*publisher)->finish(final_state_of(*summary));
   if (!has_pose(*summary)) {
     return common::failed("no module could make a pose of this recording; see the events in " +
                           ((*folder)->path() / "metrics.json").string());

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 #include "common/error.hpp"
 #include "common/recording.hpp"
@@ -23,6 +24,9 @@ class RunSession {
   static common::Result<RunSession> create(const RunRequest& request);
 
   const common::RecordingInfo& recording() const { return recording_->info(); }
+
+  /// The alignment the fusion uses; to be asked from within the observer's calls.
+  std::optional<fusion::Alignment> alignment() const { return fusion_->alignment(); }
 
   /// Runs the recording through and gathers the results. `observer` (may be missing) watches. Setting `stop` ends it
   /// early with what there is so far, marked incomplete. Errors: no module made a pose (kFailed), and those of

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/options.hpp"
+#include "service/dds_options.hpp"
 
 namespace slamfuse::service {
 
@@ -10,6 +11,7 @@ struct ServiceOptions {
   int command_delay = 16;
   int queue_capacity = 64;
   double map_interval = 2.0;
+  DdsOptions dds;
 
   void describe(common::OptionVisitor& visit) {
     visit.integer("command_delay", command_delay, {1, 1000}, "messages",
@@ -17,7 +19,9 @@ struct ServiceOptions {
                   "the modules run further ahead of each other.");
     visit.integer("queue_capacity", queue_capacity, {1, 10000}, "messages",
                   "Messages that may wait for a module; bounds the memory.");
-    visit.real("map_interval", map_interval, {0.1, 3600.0}, "s", "Time between two publications of the map.");
+    visit.real("map_interval", map_interval, {0.1, 3600.0}, "s",
+               "Recording time between two pictures of the growing map.");
+    visit.nested("dds", dds, "Publication as ROS 2 topics.");
   }
 };
 
