@@ -9,14 +9,9 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/image_size.hpp"
 
 namespace slamfuse::common {
-
-struct ImageSize {
-  int width = 0;   ///< [px]
-  int height = 0;  ///< [px]
-  bool operator==(const ImageSize&) const = default;
-};
 
 /// A decoded gray picture, row-major, one byte a pixel; shared so that an Image message can take it without a copy.
 struct GrayImage {
