@@ -228,6 +228,9 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   if (!all_finite(laser)) return refuse(nothing, "the laser trajectory has a pose that is not finite");
   if (!all_finite(visual)) return refuse(nothing, "the visual trajectory has a pose that is not finite");
 
+  if (laser.empty()) return refuse(nothing, "there is no laser trajectory");
+  if (visual.empty()) return refuse(nothing, "there is no visual trajectory");
+
   const std::vector<PosePair> pairs = pair_trajectories(laser, visual, options.pairing);
   nothing.pairs = pairs.size();
   if (pairs.empty()) return refuse(nothing, "the trajectories have no poses at common times");
@@ -257,6 +260,15 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   best->reason = fmt::format("{} of {} pairs agree, {:.3f} m rmse on held-out pairs", best->inliers, best->pairs,
                              best->heldout_rmse);
   return *best;
+}
+
+double typical_error(const common::Trajectory2& laser, const common::Trajectory2& visual, const Alignment& alignment,
+                     const AlignmentOptions& options) {
+  std::vector<double> distances;
+  for (const PosePair& pair : pair_trajectories(laser, visual, options.pairing)) {
+    distances.push_back((pair.laser.translation() - alignment.map * pair.visual.translation()).norm());
+  }
+  return distances.empty() ? std::numeric_limits<double>::infinity() : median(std::move(distances));
 }
 
 common::Trajectory2 to_laser_frame(const common::Trajectory2& visual, const Alignment& alignment) {

@@ -54,6 +54,11 @@ struct Alignment {
 Alignment align_trajectories(const common::Trajectory2& laser, const common::Trajectory2& visual,
                              const AlignmentOptions& options);
 
+/// Median distance [m] of the paired positions under an alignment: how well it fits a typical pair of these
+/// trajectories, whichever it was made from. Infinite without pairs.
+double typical_error(const common::Trajectory2& laser, const common::Trajectory2& visual, const Alignment& alignment,
+                     const AlignmentOptions& options);
+
 /// The visual trajectory in the laser map frame: the content of visual_aligned.tum.
 common::Trajectory2 to_laser_frame(const common::Trajectory2& visual, const Alignment& alignment);
 

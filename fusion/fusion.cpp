@@ -1,76 +1,359 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fusion/fusion.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Eigenvalues>
+
 #include "common/odometry_buffer.hpp"
+#include "fusion/alignment_keeper.hpp"
+#include "fusion/corrected_pose_filter.hpp"
+#include "fusion/correction_limiter.hpp"
+#include "fusion/final_path.hpp"
+#include "fusion/measurement_model.hpp"
+#include "fusion/source_monitor.hpp"
+#include "fusion/status_log.hpp"
 
 namespace slamfuse::fusion {
 
-struct Fusion::State {
-  FusionOptions options;
-  common::OdometryBuffer odometry;
-  std::optional<common::PoseEstimate> newest;
-  common::Pose2 T_map_odom;
-  common::Trajectory2 laser;
-  common::Trajectory2 visual;
-  common::Trajectory2 fused;
-  std::optional<Alignment> alignment;
+using common::Nanoseconds;
+using common::PoseEstimate;
+using common::PoseSource;
+using common::TrackingState;
+
+namespace {
+
+/// Published poses this far [m] behind the filter are called suspect.
+constexpr double kSuspectLag = 0.3;
+
+/// Where odometry stood at a time, and for how long before it there was none.
+struct OdometryAt {
+  common::Pose2 T_odom_base;
+  double seconds_without = 0.0;
 };
 
+double position_sigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position).eigenvalues().maxCoeff());
+}
+
+PoseSource other_half(PoseSource source) {
+  return source == PoseSource::kLaser ? PoseSource::kVisual : PoseSource::kLaser;
+}
+
+}  // namespace
+
+struct Fusion::State {
+  explicit State(const FusionOptions& given)
+      : options(given),
+        keeper(given.alignment, given.schedule),
+        filter(given.filter),
+        limiter(given.limit),
+        monitors{{PoseSource::kLaser, SourceMonitor(PoseSource::kLaser, given.monitor)},
+                 {PoseSource::kVisual, SourceMonitor(PoseSource::kVisual, given.monitor)}},
+        status(common::from_seconds(given.supervision.status_interval)) {}
+
+  void tell(FusionOutput& output, std::string kind, std::string detail) const {
+    output.events.push_back({now, "fusion", std::move(kind), std::move(detail)});
+  }
+  /// Nothing when the stamp is older than all odometry still known.
+  std::optional<OdometryAt> odometry_at(Nanoseconds stamp) const;
+  /// Takes notice of the epoch. Returns false for poses of an epoch that is over.
+  bool accept_epoch(const PoseEstimate& estimate, FusionOutput& output);
+  /// Whose frame the corrected pose is in, decided as halves speak up.
+  void choose_map_frame(const PoseEstimate& estimate, FusionOutput& output);
+  /// The estimate in the map frame; nothing while there is no way from its frame to that.
+  std::optional<UncertainPose> in_map_frame(const PoseEstimate& estimate) const;
+  void use(const PoseEstimate& estimate, FusionOutput& output);
+  void align_if_due(FusionOutput& output);
+  void report(const Alignment& attempt, FusionOutput& output) const;
+  StatusEntry fused_status() const;
+  void command_lost_halves(FusionOutput& output);
+  void write_status(FusionOutput& output);
+  void publish(FusionOutput& output);
+
+  FusionOptions options;
+  common::OdometryBuffer odometry;
+  AlignmentKeeper keeper;
+  CorrectedPoseFilter filter;
+  CorrectionLimiter limiter;
+  std::map<PoseSource, SourceMonitor> monitors;
+  StatusLog status;
+  std::map<PoseSource, std::uint32_t> epochs;
+  std::map<PoseSource, Nanoseconds> last_command;
+  std::optional<PoseSource> map_frame;
+  std::optional<Nanoseconds> first_visual;
+  Nanoseconds now = 0;        ///< where the filter stands
+  Nanoseconds last_used = 0;  ///< stamp of the last measurement that was used
+  bool was_lost = true;
+  std::vector<PublishedPose> published;
+  std::vector<ReceivedEstimate> received;
+};
+
+std::optional<OdometryAt> Fusion::State::odometry_at(Nanoseconds stamp) const {
+  if (odometry.empty()) return OdometryAt{{}, std::abs(common::to_seconds(stamp - now))};
+  if (const auto pose = odometry.pose_at(stamp)) return OdometryAt{*pose, 0.0};
+  const common::WheelOdometry& newest = odometry.newest();
+  if (stamp < newest.stamp) return std::nullopt;
+  return OdometryAt{newest.pose, std::abs(common::to_seconds(stamp - std::max(now, newest.stamp)))};
+}
+
+bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& output) {
+  const auto [known, first] = epochs.try_emplace(estimate.source, estimate.map_epoch);
+  if (first || known->second == estimate.map_epoch) return true;
+  if (estimate.map_epoch < known->second) return false;
+  known->second = estimate.map_epoch;
+  keeper.forget(estimate.source);
+  if (map_frame == estimate.source) {
+    filter.restart();
+    limiter.restart();
+  }
+  tell(output, "map_reset",
+       fmt::format("the {} map started epoch {}: its pairs and the alignment are void",
+                   common::to_string(estimate.source), estimate.map_epoch));
+  return true;
+}
+
+void Fusion::State::choose_map_frame(const PoseEstimate& estimate, FusionOutput& output) {
+  if (estimate.source == PoseSource::kLaser) {
+    if (map_frame == PoseSource::kVisual) {
+      filter.restart();
+      limiter.restart();
+      tell(output, "frame_changed", "the laser half has come: the map frame is the laser's from now on");
+    }
+    map_frame = PoseSource::kLaser;
+    return;
+  }
+  if (!first_visual) first_visual = estimate.stamp;
+  const double waited = common::to_seconds(estimate.stamp - *first_visual);
+  if (!map_frame && waited >= options.supervision.visual_only_after) map_frame = PoseSource::kVisual;
+}
+
+std::optional<UncertainPose> Fusion::State::in_map_frame(const PoseEstimate& estimate) const {
+  const UncertainPose measured = measurement_of(estimate, options.measurement);
+  if (map_frame == estimate.source) return measured;
+  if (map_frame == PoseSource::kLaser && keeper.accepted()) return to_laser(measured, *keeper.accepted());
+  return std::nullopt;
+}
+
+void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
+  choose_map_frame(estimate, output);
+  keeper.add(estimate);
+  align_if_due(output);
+  const auto measured = in_map_frame(estimate);
+  const auto then = odometry_at(estimate.stamp);
+  if (!measured || !then) return;
+
+  const bool late = estimate.stamp < now;
+  if (!late) {
+    filter.move_to(then->T_odom_base, then->seconds_without);
+    now = estimate.stamp;
+  }
+  const MeasurementReport report =
+      filter.measure(estimate.source, estimate.stamp, *measured, then->T_odom_base, late ? then->seconds_without : 0.0);
+  monitors.at(estimate.source).measured(report);
+  if (report.outcome == MeasurementOutcome::kAdopted) {
+    tell(output, "raw_jump",
+         fmt::format("the {} half told another place long enough: the corrected pose moves {:.2f} m",
+                     common::to_string(estimate.source), report.jump));
+  }
+  if (report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled) {
+    last_used = estimate.stamp;
+  }
+}
+
+void Fusion::State::align_if_due(FusionOutput& output) {
+  if (const auto attempt = keeper.update()) report(*attempt, output);
+}
+
+void Fusion::State::report(const Alignment& attempt, FusionOutput& output) const {
+  tell(output, attempt.accepted ? "aligned" : "alignment_refused",
+       fmt::format("{}: {}; rotation {:.2f} deg, scale {:.4f} x {:.4f}", to_string(attempt.method), attempt.reason,
+                   attempt.rotation_deg, attempt.scale.x(), attempt.scale.y()));
+}
+
+StatusEntry Fusion::State::fused_status() const {
+  StatusEntry entry;
+  entry.stamp = now;
+  entry.source = PoseSource::kFused;
+  if (!filter.started()) {
+    entry.state = Verdict::kLost;
+    entry.score = 0.0;
+    entry.reasons.emplace_back("no usable pose has come yet");
+    return entry;
+  }
+  entry.score = 0.0;
+  for (const auto& [source, monitor] : monitors) {
+    if (monitor.heard()) entry.score = std::max(entry.score, monitor.status(now).score);
+  }
+  const double silence = common::to_seconds(now - last_used);
+  const bool confirmed = silence < options.monitor.silent_after;
+  if (!confirmed) {
+    entry.state = Verdict::kSuspect;
+    entry.score *= 0.5;
+    entry.reasons.push_back(fmt::format("neither half confirms it for {:.1f} s, odometry alone", silence));
+    const Eigen::Matrix3d& covariance = filter.state().covariance;
+    const double position = position_sigma(covariance);
+    const double heading = std::sqrt(covariance(2, 2));
+    if (position > options.supervision.lost_position_sigma || heading > options.supervision.lost_heading_sigma) {
+      entry.state = Verdict::kLost;
+      entry.score = 0.0;
+      entry.reasons.push_back(fmt::format("odometry has drifted to {:.2f} m and {:.2f} rad", position, heading));
+    }
+  }
+  if (entry.state == Verdict::kTracking && limiter.lag() > kSuspectLag) {
+    entry.state = Verdict::kSuspect;
+    entry.reasons.push_back(fmt::format("a correction of {:.2f} m is still under way", limiter.lag()));
+  }
+  return entry;
+}
+
+/// A half that is lost, or that the other half contradicts, is told where it is.
+void Fusion::State::command_lost_halves(FusionOutput& output) {
+  if (map_frame != PoseSource::kLaser || !keeper.accepted() || !filter.started()) return;
+  for (const PoseSource target : {PoseSource::kLaser, PoseSource::kVisual}) {
+    const SourceMonitor& monitor = monitors.at(target);
+    const bool in_need = monitor.heard() && (monitor.own_state() == TrackingState::kLost || monitor.overruled());
+    if (!in_need || !monitors.at(other_half(target)).healthy(now)) continue;
+    const auto last = last_command.find(target);
+    if (last != last_command.end() && common::to_seconds(now - last->second) < options.supervision.command_interval) {
+      continue;
+    }
+    last_command[target] = now;
+    const UncertainPose pose =
+        target == PoseSource::kLaser ? filter.state() : to_visual(filter.state(), *keeper.accepted());
+    output.commands.push_back({target, common::SetPose{pose.pose, pose.covariance}});
+    tell(output, "set_pose", fmt::format("the {} half is told its pose", common::to_string(target)));
+  }
+}
+
+void Fusion::State::write_status(FusionOutput& output) {
+  for (const auto& [source, monitor] : monitors) {
+    if (monitor.heard()) status.write(monitor.status(now), output.status);
+  }
+}
+
+void Fusion::State::publish(FusionOutput& output) {
+  const StatusEntry verdict = fused_status();
+  status.write(verdict, output.status);
+  const bool lost = verdict.state == Verdict::kLost;
+  if (lost != was_lost) {
+    tell(output, lost ? "lost" : "tracking", lost ? verdict.reasons.back() : "the corrected pose is available");
+  }
+  was_lost = lost;
+  if (lost) {
+    limiter.restart();
+    return;
+  }
+  const UncertainPose pose = limiter.follow(now, filter.state(), filter.T_odom_base());
+  CorrectedPose corrected;
+  corrected.estimate.stamp = now;
+  corrected.estimate.source = PoseSource::kFused;
+  corrected.estimate.map_epoch = epochs[*map_frame];
+  corrected.estimate.pose = pose.pose;
+  corrected.estimate.covariance = pose.covariance;
+  corrected.estimate.state = verdict.state == Verdict::kSuspect ? TrackingState::kUncertain : TrackingState::kTracking;
+  corrected.T_map_odom = pose.pose * filter.T_odom_base().inverse();
+  output.pose = corrected;
+  published.push_back({now, filter.T_odom_base()});
+}
+
 common::Result<std::unique_ptr<Fusion>> Fusion::create(const FusionOptions& options) {
+  const double steps = 90.0 / options.alignment.seed004.angle_step;
+  if (!(std::abs(steps - std::round(steps)) < 1e-9) || steps < 1.0) {
+    return common::invalid_input(fmt::format("fusion.alignment.seed004.angle_step: {} does not divide 90 degrees",
+                                             options.alignment.seed004.angle_step));
+  }
   return std::unique_ptr<Fusion>(new Fusion(options));
 }
 
-Fusion::Fusion(const FusionOptions& options) : state_(std::make_unique<State>()) { state_->options = options; }
+Fusion::Fusion(const FusionOptions& options) : state_(std::make_unique<State>(options)) {}
 Fusion::~Fusion() = default;
 
 FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
   FusionOutput output;
-  state_->odometry.add(odometry);
-  if (!state_->newest) return output;
-  CorrectedPose pose;
-  pose.estimate = *state_->newest;
-  pose.estimate.source = common::PoseSource::kFused;
-  pose.estimate.stamp = odometry.stamp;
-  pose.estimate.pose = state_->T_map_odom * odometry.pose;
-  pose.T_map_odom = state_->T_map_odom;
-  state_->fused.push_back({odometry.stamp, pose.estimate.pose});
-  output.pose = pose;
+  if (!odometry.pose.is_finite() || !std::isfinite(odometry.forward_speed) || !std::isfinite(odometry.turn_rate)) {
+    output.rejected = "the odometry message has a number that is not finite";
+    return output;
+  }
+  State& s = *state_;
+  const bool first = s.odometry.empty();
+  s.odometry.add(odometry);
+  if (first) {
+    s.filter.rebase(odometry.pose);
+    s.limiter.rebase(odometry.pose);
+  } else {
+    s.filter.move_to(odometry.pose, 0.0);
+  }
+  s.now = odometry.stamp;
+  s.command_lost_halves(output);
+  s.write_status(output);
+  s.publish(output);
   return output;
 }
 
-FusionOutput Fusion::process(const common::PoseEstimate& estimate) {
+FusionOutput Fusion::process(const PoseEstimate& estimate) {
   FusionOutput output;
-  if (estimate.source == common::PoseSource::kVisual) {
-    state_->visual.push_back({estimate.stamp, estimate.pose});
+  State& s = *state_;
+  output.rejected = flaw_of(estimate);
+  if (output.rejected) return output;
+  if (!s.accept_epoch(estimate, output)) {
+    output.rejected = fmt::format("the pose is of map epoch {}, which is over", estimate.map_epoch);
     return output;
   }
-  state_->laser.push_back({estimate.stamp, estimate.pose});
-  state_->newest = estimate;
-  const auto T_odom_base = state_->odometry.pose_at(estimate.stamp);
-  state_->T_map_odom = T_odom_base ? estimate.pose * T_odom_base->inverse() : estimate.pose;
-  CorrectedPose pose;
-  pose.estimate = estimate;
-  pose.estimate.source = common::PoseSource::kFused;
-  pose.T_map_odom = state_->T_map_odom;
-  state_->fused.push_back({estimate.stamp, estimate.pose});
-  output.pose = pose;
+  if (s.odometry.empty() && !s.filter.started()) s.now = estimate.stamp;
+  const bool late = estimate.stamp < s.now;
+  s.monitors.at(estimate.source).estimated(estimate);
+  const auto place = std::find_if(s.published.rbegin(), s.published.rend(),
+                                  [&](const PublishedPose& pose) { return pose.stamp < estimate.stamp; });
+  const auto odometry = s.odometry_at(estimate.stamp);
+  s.received.push_back({estimate.stamp, estimate.source, estimate.state,
+                        odometry ? odometry->T_odom_base : s.filter.T_odom_base(),
+                        late ? static_cast<std::size_t>(s.published.rend() - place) : s.published.size()});
+  const bool usable = estimate.state != TrackingState::kLost;
+  if (usable) s.use(estimate, output);
+  s.command_lost_halves(output);
+  s.write_status(output);
+  if (usable && s.now == estimate.stamp && !late) s.publish(output);
   return output;
 }
 
 FusionOutput Fusion::align_now() {
-  state_->alignment = align_trajectories(state_->laser, state_->visual, state_->options.alignment);
-  return {};
+  FusionOutput output;
+  state_->report(state_->keeper.align(), output);
+  return output;
 }
 
 FusionResult Fusion::finish(const common::Trajectory2& laser_final, const common::Trajectory2& visual_final) {
+  const State& s = *state_;
+  const auto laser = anchors_of(laser_final, PoseSource::kLaser, s.received);
+  const auto visual = anchors_of(visual_final, PoseSource::kVisual, s.received);
   FusionResult result;
-  result.alignment = align_trajectories(laser_final, visual_final, state_->options.alignment);
-  result.fused_final = laser_final;
-  state_->alignment = result.alignment;
+  result.alignment = align_trajectories(path_of(laser), path_of(visual), s.options.alignment);
+
+  std::vector<PathAnchor> anchors = laser;
+  if (s.map_frame == PoseSource::kVisual) {
+    anchors = visual;
+  } else if (result.alignment.accepted) {
+    std::vector<PathAnchor> mapped = visual;
+    for (PathAnchor& anchor : mapped) anchor.T_map_base = result.alignment.to_laser(anchor.T_map_base);
+    anchors = fill_gaps(laser, mapped, common::from_seconds(s.options.monitor.silent_after));
+  }
+  result.fused_final = smooth_path(s.published, anchors);
+  FusionOutput told;
+  s.report(result.alignment, told);
+  result.events = std::move(told.events);
   return result;
 }
 
-const std::optional<Alignment>& Fusion::alignment() const { return state_->alignment; }
-common::PoseSource Fusion::map_frame() const { return common::PoseSource::kLaser; }
+const std::optional<Alignment>& Fusion::alignment() const {
+  return state_->keeper.accepted() ? state_->keeper.accepted() : state_->keeper.last();
+}
+
+PoseSource Fusion::map_frame() const { return state_->map_frame.value_or(PoseSource::kLaser); }
 
 }  // namespace slamfuse::fusion

@@ -2,16 +2,53 @@
 #pragma once
 
 #include "common/options.hpp"
+#include "fusion/alignment_keeper.hpp"
 #include "fusion/alignment_options.hpp"
+#include "fusion/corrected_pose_filter.hpp"
+#include "fusion/correction_limiter.hpp"
+#include "fusion/measurement_model.hpp"
+#include "fusion/source_monitor.hpp"
 
 namespace slamfuse::fusion {
+
+/// When the fused pose is withheld, and how often a half is told where it is.
+struct SupervisionOptions {
+  double lost_position_sigma = 0.5;
+  double lost_heading_sigma = 0.35;
+  double visual_only_after = 1.0;
+  double command_interval = 5.0;
+  double status_interval = 1.0;
+
+  void describe(common::OptionVisitor& visit) {
+    visit.real("lost_position_sigma", lost_position_sigma, {0.01, 100.0}, "m",
+               "With no half left, the fused pose is LOST when its position is less certain than this.");
+    visit.real("lost_heading_sigma", lost_heading_sigma, {0.01, 3.15}, "rad",
+               "With no half left, the fused pose is LOST when its heading is less certain than this.");
+    visit.real("visual_only_after", visual_only_after, {0.0, 60.0}, "s",
+               "Without a laser for this long the visual map frame becomes the map frame.");
+    visit.real("command_interval", command_interval, {0.1, 600.0}, "s", "A half is told its pose at most this often.");
+    visit.real("status_interval", status_interval, {0.05, 60.0}, "s", "Status rows are written at least this often.");
+  }
+};
 
 /// The YAML section `fusion:`.
 struct FusionOptions {
   AlignmentOptions alignment;
+  AlignmentScheduleOptions schedule;
+  CorrectedPoseOptions filter;
+  CorrectionLimitOptions limit;
+  MeasurementOptions measurement;
+  SourceMonitorOptions monitor;
+  SupervisionOptions supervision;
 
   void describe(common::OptionVisitor& visit) {
     visit.nested("alignment", alignment, "Alignment of the two trajectories.");
+    visit.nested("schedule", schedule, "When the alignment is tried.");
+    visit.nested("filter", filter, "The corrected pose.");
+    visit.nested("limit", limit, "How fast the published correction may move.");
+    visit.nested("measurement", measurement, "How far a half's own covariance is believed.");
+    visit.nested("monitor", monitor, "Judging the halves.");
+    visit.nested("supervision", supervision, "Withholding the pose, commands to the halves, status rows.");
   }
 };
 

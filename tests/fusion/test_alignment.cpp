@@ -173,7 +173,8 @@ TEST(AlignTrajectories, RefusesTooFewPairsShortPathsAndNoCommonTime) {
 
   EXPECT_THAT(align_trajectories(laser, few, {}).reason, HasSubstr("too few pairs: 12"));
   EXPECT_THAT(align_trajectories(laser, later, {}).reason, HasSubstr("no poses at common times"));
-  EXPECT_THAT(align_trajectories({}, laser, {}).reason, HasSubstr("no poses at common times"));
+  EXPECT_THAT(align_trajectories({}, laser, {}).reason, HasSubstr("no laser trajectory"));
+  EXPECT_THAT(align_trajectories(laser, {}, {}).reason, HasSubstr("no visual trajectory"));
   EXPECT_THAT(align_trajectories(tiny, laser, {}).reason, HasSubstr("too short"));
 }
 

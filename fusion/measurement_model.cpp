@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fusion/measurement_model.hpp"
+
+#include <fmt/format.h>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace slamfuse::fusion {
+namespace {
+
+Eigen::Matrix3d variances(double position_sigma, double heading_sigma) {
+  const double position = position_sigma * position_sigma;
+  return Eigen::Vector3d(position, position, heading_sigma * heading_sigma).asDiagonal();
+}
+
+Eigen::Matrix3d moved_covariance(const Eigen::Matrix3d& covariance, const Eigen::Matrix2d& linear) {
+  Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
+  jacobian.topLeftCorner<2, 2>() = linear;
+  return jacobian * covariance * jacobian.transpose();
+}
+
+/// What pairs unseen by the alignment were off by; half of a squared distance for each axis.
+Eigen::Matrix3d alignment_error(const Alignment& alignment) {
+  return variances(alignment.heldout_rmse / std::sqrt(2.0), alignment.heading_rmse);
+}
+
+}  // namespace
+
+std::optional<std::string> flaw_of(const common::PoseEstimate& estimate) {
+  if (estimate.source != common::PoseSource::kLaser && estimate.source != common::PoseSource::kVisual) {
+    return fmt::format("source {} is neither laser nor visual", common::to_string(estimate.source));
+  }
+  if (!estimate.pose.is_finite()) {
+    return fmt::format("the pose ({}, {}, {}) is not finite", estimate.pose.x, estimate.pose.y, estimate.pose.theta);
+  }
+  if (!estimate.covariance.allFinite()) return "the covariance is not finite";
+  // A tiny floor lets covariances pass that are singular, e.g. all zero.
+  constexpr double kTiny = 1e-12;
+  const Eigen::Matrix3d symmetric = 0.5 * (estimate.covariance + estimate.covariance.transpose());
+  const Eigen::LLT<Eigen::Matrix3d> factor(symmetric + kTiny * (1.0 + symmetric.norm()) * Eigen::Matrix3d::Identity());
+  if (factor.info() != Eigen::Success) return "the covariance is not positive semidefinite";
+  return std::nullopt;
+}
+
+UncertainPose measurement_of(const common::PoseEstimate& estimate, const MeasurementOptions& options) {
+  Eigen::Matrix3d covariance = 0.5 * (estimate.covariance + estimate.covariance.transpose());
+  covariance += variances(options.smallest_position_sigma, options.smallest_heading_sigma);
+  if (estimate.state == common::TrackingState::kUncertain) {
+    covariance *= options.uncertain_inflation * options.uncertain_inflation;
+  }
+  return {estimate.pose, covariance};
+}
+
+UncertainPose to_laser(const UncertainPose& visual, const Alignment& alignment) {
+  return {alignment.to_laser(visual.pose),
+          moved_covariance(visual.covariance, alignment.map.linear) + alignment_error(alignment)};
+}
+
+UncertainPose to_visual(const UncertainPose& laser, const Alignment& alignment) {
+  return {alignment.to_visual(laser.pose),
+          moved_covariance(laser.covariance + alignment_error(alignment), alignment.map.linear.inverse())};
+}
+
+}  // namespace slamfuse::fusion

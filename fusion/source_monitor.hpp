@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/options.hpp"
+#include "common/pose_estimate.hpp"
+#include "fusion/corrected_pose_filter.hpp"
+#include "fusion/status.hpp"
+
+namespace slamfuse::fusion {
+
+struct SourceMonitorOptions {
+  double silent_after = 1.0;
+  double lost_after = 2.0;
+
+  void describe(common::OptionVisitor& visit) {
+    visit.real("silent_after", silent_after, {0.05, 60.0}, "s", "A half that has been silent this long is suspect.");
+    visit.real("lost_after", lost_after, {0.1, 600.0}, "s", "A half that has been silent this long is lost.");
+  }
+};
+
+/// Judges one half from what it says of itself, whether it still speaks, and how its poses fit the fused one.
+class SourceMonitor {
+ public:
+  SourceMonitor(common::PoseSource source, const SourceMonitorOptions& options) : source_(source), options_(options) {}
+
+  bool heard() const { return heard_; }
+  common::Nanoseconds last_stamp() const { return stamp_; }
+  /// Whether it keeps telling another place than the fused pose although the other half confirms that one.
+  bool overruled() const { return overruled_; }
+  /// Its own word at its last estimate.
+  common::TrackingState own_state() const { return own_state_; }
+  /// Whether its last pose was used and it still speaks.
+  bool healthy(common::Nanoseconds now) const;
+
+  /// It made an estimate; what the filter did with it follows in `measured`, if it was usable at all.
+  void estimated(const common::PoseEstimate& estimate);
+  void measured(const MeasurementReport& report);
+
+  /// The verdict at `now`. Score: 1, times 0.6 if it calls itself uncertain, times 1 / (1 + poses gated in a row),
+  /// times a factor that falls to 0 as it stays silent; 0 if it calls itself lost. SUSPECT below 0.4, LOST at 0.
+  StatusEntry status(common::Nanoseconds now) const;
+
+ private:
+  common::PoseSource source_;
+  SourceMonitorOptions options_;
+  bool heard_ = false;
+  common::Nanoseconds stamp_ = 0;
+  common::TrackingState own_state_ = common::TrackingState::kTracking;
+  int gated_in_a_row_ = 0;
+  bool overruled_ = false;
+  double squared_distance_ = 0.0;
+};
+
+}  // namespace slamfuse::fusion
