@@ -139,8 +139,8 @@ void measure_headings(const std::vector<PosePair>& pairs, const std::vector<bool
   alignment.heading_rmse = std::sqrt(square / static_cast<double>(turns.size()));
 }
 
-Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted, AlignmentMethod method,
-                   const AlignmentOptions& options) {
+Alignment evaluate_method(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted, AlignmentMethod method,
+                          const AlignmentOptions& options) {
   Alignment alignment;
   alignment.method = method;
   alignment.pairs = pairs.size();
@@ -172,6 +172,14 @@ Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& 
                                               [&](std::size_t i) { return trusted[i] && split.held_out(i); })
                                     : std::numeric_limits<double>::infinity();
   return alignment;
+}
+
+Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted,
+                   const AlignmentOptions& options) {
+  if (options.method != AlignmentMethod::kAuto) return evaluate_method(pairs, trusted, options.method, options);
+  Alignment similarity = evaluate_method(pairs, trusted, AlignmentMethod::kSimilarity, options);
+  Alignment affine = evaluate_method(pairs, trusted, AlignmentMethod::kAffine, options);
+  return affine.heldout_rmse < options.affine_gain * similarity.heldout_rmse ? affine : similarity;
 }
 
 /// Why the alignment must not be used; empty when nothing speaks against it.
@@ -244,22 +252,14 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
 
   const std::vector<bool> trusted = trusted_pairs(pairs, options);
   const Spread spread = spread_of(pairs, trusted);
-  std::vector<AlignmentMethod> methods = {options.method};
-  if (options.method == AlignmentMethod::kAuto) {
-    methods = {AlignmentMethod::kSimilarity, AlignmentMethod::kAffine};
-  }
-  std::optional<Alignment> best;
-  for (const AlignmentMethod method : methods) {
-    Alignment candidate = evaluate(pairs, trusted, method, options);
-    candidate.straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
-    if (!best || candidate.heldout_rmse < best->heldout_rmse) best = std::move(candidate);
-  }
-  const std::string against = objection(*best, spread, options);
-  if (!against.empty()) return refuse(*best, against);
-  best->accepted = true;
-  best->reason = fmt::format("{} of {} pairs agree, {:.3f} m rmse on held-out pairs", best->inliers, best->pairs,
-                             best->heldout_rmse);
-  return *best;
+  Alignment best = evaluate(pairs, trusted, options);
+  best.straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
+  const std::string against = objection(best, spread, options);
+  if (!against.empty()) return refuse(best, against);
+  best.accepted = true;
+  best.reason =
+      fmt::format("{} of {} pairs agree, {:.3f} m rmse on held-out pairs", best.inliers, best.pairs, best.heldout_rmse);
+  return best;
 }
 
 double typical_error(const common::Trajectory2& laser, const common::Trajectory2& visual, const Alignment& alignment,

@@ -15,7 +15,7 @@ enum class AlignmentMethod {
   kSeed004,     ///< the paper's image-like pipeline
   kSimilarity,  ///< robust rotation, shift and one scale
   kAffine,      ///< robust affine map: a scale per axis
-  kAuto,        ///< similarity or affine, whichever has the smaller held-out error
+  kAuto,        ///< similarity, or affine where that has a clearly smaller held-out error
 };
 
 /// The word for a method in configuration, metrics.json and map.yaml.
@@ -24,6 +24,7 @@ std::string to_string(AlignmentMethod method);
 /// When an alignment is trusted, and how it is made.
 struct AlignmentOptions {
   AlignmentMethod method = AlignmentMethod::kAuto;
+  double affine_gain = 0.9;
   int min_pairs = 20;
   double min_path = 1.0;
   double min_straightness_ratio = 0.05;
@@ -41,8 +42,12 @@ struct AlignmentOptions {
                   {"similarity", AlignmentMethod::kSimilarity},
                   {"affine", AlignmentMethod::kAffine},
                   {"seed004", AlignmentMethod::kSeed004}},
-                 "How the map between the frames is found; auto: similarity or affine, whichever has the smaller "
-                 "held-out error.");
+                 "How the map between the frames is found; auto: similarity, or affine where that lowers the "
+                 "held-out error clearly.");
+    visit.real(
+        "affine_gain", affine_gain, {0.0, 1.0}, "",
+        "Method auto takes the affine map only if its held-out error is below this part of the similarity's: two "
+        "more numbers always fit better and extrapolate worse.");
     visit.integer("min_pairs", min_pairs, {6, 100000}, "", "Fewer pairs are refused.");
     visit.real("min_path", min_path, {0.0, 1000.0}, "m", "A shorter laser path within the pairs is refused.");
     visit.real("min_straightness_ratio", min_straightness_ratio, {0.0, 1.0}, "",

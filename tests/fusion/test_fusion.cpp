@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fusion/fusion.hpp"
+
+#include <functional>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include "fusion/simulated_drive.hpp"
+#include "fusion/uncertain_pose.hpp"
+
+namespace slamfuse::fusion {
+namespace {
+
+using common::PoseSource;
+using testing::HasSubstr;
+
+constexpr int kLaserEvery = 4;
+constexpr int kVisualEvery = 5;
+
+/// What a run gave, with the truth beside each published pose.
+struct DriveLog {
+  std::vector<CorrectedPose> poses;
+  std::vector<double> errors;  ///< [m], of each published pose
+  std::vector<int> steps;
+  std::vector<ModuleCommand> commands;
+  std::vector<common::Event> events;
+  std::vector<StatusEntry> status;
+
+  double rmse(int from = 0, int to = std::numeric_limits<int>::max()) const {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      if (steps[i] < from || steps[i] >= to) continue;
+      sum += errors[i] * errors[i];
+      ++count;
+    }
+    return count > 0 ? std::sqrt(sum / count) : std::numeric_limits<double>::infinity();
+  }
+  double worst(int from, int to) const {
+    double error = 0.0;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      if (steps[i] >= from && steps[i] < to) error = std::max(error, errors[i]);
+    }
+    return error;
+  }
+  bool has_event(const std::string& kind) const {
+    return std::any_of(events.begin(), events.end(), [&](const common::Event& event) { return event.kind == kind; });
+  }
+};
+
+void append(DriveLog& run, const FusionOutput& output, const common::Pose2& truth, int step) {
+  if (output.pose) {
+    run.poses.push_back(*output.pose);
+    run.steps.push_back(step);
+    run.errors.push_back((output.pose->estimate.pose.translation() - truth.translation()).norm());
+  }
+  run.commands.insert(run.commands.end(), output.commands.begin(), output.commands.end());
+  run.events.insert(run.events.end(), output.events.begin(), output.events.end());
+  run.status.insert(run.status.end(), output.status.begin(), output.status.end());
+}
+
+/// Which messages a run gets, and how they are tampered with; returning false withholds one.
+struct Scenario {
+  bool with_odometry = true;
+  std::function<bool(int, common::PoseEstimate&)> laser = [](int, common::PoseEstimate&) { return true; };
+  std::function<bool(int, common::PoseEstimate&)> visual = [](int, common::PoseEstimate&) { return true; };
+};
+
+bool silent(int, common::PoseEstimate&) { return false; }
+
+DriveLog drive(Fusion& fusion, int steps, const Scenario& scenario) {
+  SimulatedDrive simulation;
+  DriveLog run;
+  for (int step = 0; step < steps; ++step) {
+    const common::Pose2 truth = simulation.truth(step);
+    const common::WheelOdometry odometry = simulation.odometry(step);
+    if (scenario.with_odometry) append(run, fusion.process(odometry), truth, step);
+    if (step % kLaserEvery == 0) {
+      common::PoseEstimate laser = simulation.laser(step);
+      if (scenario.laser(step, laser)) append(run, fusion.process(laser), truth, step);
+    }
+    if (step % kVisualEvery == 0) {
+      common::PoseEstimate visual = simulation.visual(step);
+      if (scenario.visual(step, visual)) append(run, fusion.process(visual), truth, step);
+    }
+  }
+  return run;
+}
+
+std::unique_ptr<Fusion> make_fusion() { return *Fusion::create({}); }
+
+TEST(Fusion, LaserAloneIsNotMadeWorse) {
+  const auto fusion = make_fusion();
+
+  const DriveLog run = drive(*fusion, 1200, {.visual = silent});
+
+  EXPECT_GE(run.poses.size(), 1200u);
+  EXPECT_LT(run.rmse(), 0.035);  // the laser itself: 0.028
+  EXPECT_EQ(fusion->map_frame(), PoseSource::kLaser);
+  EXPECT_FALSE(run.has_event("raw_jump"));
+}
+
+TEST(Fusion, BothHalvesAreNoWorseThanTheBetterOne) {
+  const auto fusion = make_fusion();
+
+  const DriveLog run = drive(*fusion, 1200, {});
+
+  EXPECT_LT(run.rmse(), 0.035);
+  ASSERT_TRUE(fusion->alignment().has_value());
+  EXPECT_TRUE(fusion->alignment()->accepted) << fusion->alignment()->reason;
+  EXPECT_TRUE(run.has_event("aligned"));
+  EXPECT_NEAR(fusion->alignment()->rotation_deg, 40.0, 0.5);
+  EXPECT_NEAR(fusion->alignment()->scale.x(), 2.0, 0.02);
+}
+
+TEST(Fusion, VisualAloneIsTheMapFrameAfterAMoment) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+
+  const DriveLog run = drive(*fusion, 600, {.laser = silent});
+
+  EXPECT_EQ(fusion->map_frame(), PoseSource::kVisual);
+  ASSERT_GT(run.poses.size(), 500u);
+  const Eigen::Vector2d visual = SimulatedDrive::laser_from_visual().inverse() * simulation.truth(599).translation();
+  EXPECT_LT((run.poses.back().estimate.pose.translation() - visual).norm(), 0.15);
+}
+
+TEST(Fusion, WithoutOdometryThePoseFollowsTheLaser) {
+  const auto fusion = make_fusion();
+
+  const DriveLog run = drive(*fusion, 1200, {.with_odometry = false, .visual = silent});
+
+  ASSERT_EQ(run.poses.size(), 300u);
+  EXPECT_LT(run.rmse(), 0.06);
+  EXPECT_EQ(run.poses.back().T_map_odom.vector(), run.poses.back().estimate.pose.vector());
+}
+
+TEST(Fusion, OneBadMeasurementNeverMakesAJump) {
+  const auto fusion = make_fusion();
+  const auto bad_once = [](int step, common::PoseEstimate& laser) {
+    if (step == 400) laser.pose.x += 3.0;
+    if (step == 600) laser.pose.theta += 1.0;
+    return true;
+  };
+
+  const DriveLog run = drive(*fusion, 800, {.laser = bad_once, .visual = silent});
+
+  EXPECT_LT(run.worst(390, 440), 0.1);
+  EXPECT_LT(run.worst(590, 640), 0.1);
+  EXPECT_FALSE(run.has_event("raw_jump"));
+}
+
+TEST(Fusion, ThePublishedPoseMovesSmoothlyWhenAPersistentJumpIsAdopted) {
+  const auto fusion = make_fusion();
+  const auto shifted = [](int step, common::PoseEstimate& laser) {
+    if (step >= 400) laser.pose.x += 1.5;
+    return true;
+  };
+
+  const DriveLog run = drive(*fusion, 800, {.laser = shifted, .visual = silent});
+
+  EXPECT_TRUE(run.has_event("raw_jump"));
+  for (std::size_t i = 1; i < run.poses.size(); ++i) {
+    const double step =
+        (run.poses[i].estimate.pose.translation() - run.poses[i - 1].estimate.pose.translation()).norm();
+    EXPECT_LT(step, 0.12) << "step " << run.steps[i];  // 0.02 m driven, 0.05 m at once or 0.04 m of the transition
+  }
+  EXPECT_NEAR(run.worst(700, 800), 1.5, 0.1);  // it has arrived
+}
+
+TEST(Fusion, AJumpOfOneHalfIsOverruledByTheOtherAndTheHalfIsToldItsPose) {
+  const auto fusion = make_fusion();
+  const auto elsewhere = [](int step, common::PoseEstimate& laser) {
+    if (step >= 800) laser.pose.x += 4.0;
+    return true;
+  };
+
+  const DriveLog run = drive(*fusion, 1200, {.laser = elsewhere});
+
+  EXPECT_LT(run.worst(800, 1200), 0.35);
+  EXPECT_FALSE(run.has_event("raw_jump"));
+  ASSERT_FALSE(run.commands.empty());
+  EXPECT_EQ(run.commands.front().target, PoseSource::kLaser);
+  EXPECT_LE(run.commands.size(), 5u);  // one in five seconds
+  const bool suspect = std::any_of(run.status.begin(), run.status.end(), [](const StatusEntry& entry) {
+    return entry.source == PoseSource::kLaser && entry.state == Verdict::kSuspect;
+  });
+  EXPECT_TRUE(suspect);
+}
+
+TEST(Fusion, TheVisualHalfCarriesOnWhereTheLaserIsLostAndTellsItThePose) {
+  const auto fusion = make_fusion();
+  const auto lost = [](int step, common::PoseEstimate& laser) {
+    if (step >= 800) {
+      laser.state = common::TrackingState::kLost;
+      laser.pose = {50.0, 50.0, 0.0};
+    }
+    return true;
+  };
+  SimulatedDrive simulation;
+
+  const DriveLog run = drive(*fusion, 1600, {.laser = lost});
+
+  for (int f = 700; f < 1600; f += 25) std::printf("%d %.3f %.3f\n", f, run.rmse(f, f + 25), run.worst(f, f + 25));
+  for (const auto& e : run.events) std::printf("%s %s\n", e.kind.c_str(), e.detail.c_str());
+  EXPECT_LT(run.worst(800, 1600), 0.4);
+  EXPECT_EQ(run.steps.back(), 1599);
+  ASSERT_FALSE(run.commands.empty());
+  const auto& command = std::get<common::SetPose>(run.commands.front().command);
+  EXPECT_LT((command.pose.translation() - simulation.truth(800).translation()).norm(), 0.3);
+}
+
+TEST(Fusion, ALostVisualHalfIsToldItsPoseInItsOwnFrame) {
+  const auto fusion = make_fusion();
+  const auto lost = [](int step, common::PoseEstimate& visual) {
+    if (step >= 800) visual.state = common::TrackingState::kLost;
+    return true;
+  };
+  SimulatedDrive simulation;
+
+  const DriveLog run = drive(*fusion, 900, {.visual = lost});
+
+  ASSERT_FALSE(run.commands.empty());
+  EXPECT_EQ(run.commands.front().target, PoseSource::kVisual);
+  const auto& command = std::get<common::SetPose>(run.commands.front().command);
+  const Eigen::Vector2d expected = SimulatedDrive::laser_from_visual().inverse() * simulation.truth(800).translation();
+  EXPECT_LT((command.pose.translation() - expected).norm(), 0.1);
+}
+
+TEST(Fusion, OdometryCarriesOnWhenBothHalvesAreSilentUntilItHasDriftedTooFar) {
+  const auto fusion = make_fusion();
+  const auto until_600 = [](int step, common::PoseEstimate&) { return step < 600; };
+
+  const DriveLog run = drive(*fusion, 12000, {.laser = until_600, .visual = until_600});
+
+  EXPECT_LT(run.worst(600, 800), 0.3);  // ten seconds, about four metres
+  EXPECT_GT(run.steps.back(), 800);
+  EXPECT_LT(run.steps.back(), 11999);
+  EXPECT_TRUE(run.has_event("lost"));
+  const auto& last = run.status.back();
+  EXPECT_EQ(last.source, PoseSource::kFused);
+  EXPECT_EQ(last.state, Verdict::kLost);
+}
+
+TEST(Fusion, PosesThatArriveLateAreUsedAtTheirOwnStamps) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+  std::vector<common::PoseEstimate> delayed;
+  DriveLog run;
+  for (int step = 0; step < 800; ++step) {
+    append(run, fusion->process(simulation.odometry(step)), simulation.truth(step), step);
+    if (step % kLaserEvery == 0) delayed.push_back(simulation.laser(step));
+    if (!delayed.empty() && delayed.front().stamp <= simulation.stamp(step - 6)) {  // 0.3 s
+      append(run, fusion->process(delayed.front()), simulation.truth(step), step);
+      delayed.erase(delayed.begin());
+    }
+  }
+
+  EXPECT_LT(run.rmse(), 0.05);  // 0.12 m if the poses were taken for those of their arrival
+  for (std::size_t i = 1; i < run.poses.size(); ++i) {
+    EXPECT_GT(run.poses[i].estimate.stamp, run.poses[i - 1].estimate.stamp);
+  }
+}
+
+TEST(Fusion, StampsThatStepBackAsInACarmenLogWorkWithTheLaserAlone) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+  DriveLog run;
+  for (int step = 0; step < 400; ++step) {
+    common::WheelOdometry odometry = simulation.odometry(step);
+    common::PoseEstimate laser = simulation.laser(step);
+    if (step % 20 == 10) odometry.stamp = laser.stamp = simulation.stamp(step - 3) + 1;  // steps back by two
+    append(run, fusion->process(odometry), simulation.truth(step), step);
+    const FusionOutput output = fusion->process(laser);
+    ASSERT_TRUE(output.pose.has_value());
+    EXPECT_EQ(output.pose->estimate.stamp, laser.stamp);
+    append(run, output, simulation.truth(step), step);
+  }
+
+  EXPECT_LT(run.rmse(), 0.04);
+}
+
+TEST(Fusion, RejectsPosesThatAreNotFiniteOrHaveNoCovariance) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+  common::PoseEstimate bad_pose = simulation.laser(0);
+  bad_pose.pose.x = std::numeric_limits<double>::quiet_NaN();
+  common::PoseEstimate bad_covariance = simulation.laser(0);
+  bad_covariance.covariance(1, 1) = -1.0;
+  common::PoseEstimate wrong_source = simulation.laser(0);
+  wrong_source.source = PoseSource::kFused;
+  common::WheelOdometry bad_odometry = simulation.odometry(0);
+  bad_odometry.pose.theta = std::numeric_limits<double>::infinity();
+
+  EXPECT_THAT(fusion->process(bad_pose).rejected.value_or(""), HasSubstr("not finite"));
+  EXPECT_THAT(fusion->process(bad_covariance).rejected.value_or(""), HasSubstr("positive semidefinite"));
+  EXPECT_THAT(fusion->process(wrong_source).rejected.value_or(""), HasSubstr("neither laser nor visual"));
+  EXPECT_THAT(fusion->process(bad_odometry).rejected.value_or(""), HasSubstr("not finite"));
+  EXPECT_FALSE(fusion->process(simulation.odometry(1)).pose.has_value());
+}
+
+TEST(Fusion, ANewMapEpochVoidsTheAlignmentAndOldEpochsAreRejected) {
+  const auto fusion = make_fusion();
+  drive(*fusion, 600, {});
+  ASSERT_TRUE(fusion->alignment().has_value() && fusion->alignment()->accepted);
+  SimulatedDrive simulation;
+  common::PoseEstimate renewed = simulation.visual(600);
+  renewed.map_epoch = 1;
+
+  const FusionOutput output = fusion->process(renewed);
+
+  EXPECT_FALSE(fusion->alignment().has_value());
+  ASSERT_FALSE(output.events.empty());
+  EXPECT_EQ(output.events.front().kind, "map_reset");
+  EXPECT_THAT(fusion->process(simulation.visual(601)).rejected.value_or(""), HasSubstr("epoch 0"));
+}
+
+TEST(Fusion, AlignsOnRequest) {
+  const auto fusion = make_fusion();
+  drive(*fusion, 60, {});
+  ASSERT_FALSE(fusion->alignment().has_value());
+
+  const FusionOutput output = fusion->align_now();
+
+  ASSERT_EQ(output.events.size(), 1u);
+  EXPECT_TRUE(fusion->alignment().has_value());
+}
+
+TEST(Fusion, StatusRowsComeOnceASecondAndWhenAStateChanges) {
+  const auto fusion = make_fusion();
+
+  const DriveLog run = drive(*fusion, 400, {});  // 20 s
+
+  int fused_rows = 0;
+  for (const StatusEntry& entry : run.status) {
+    if (entry.source == PoseSource::kFused) ++fused_rows;
+    EXPECT_GE(entry.score, 0.0);
+    EXPECT_LE(entry.score, 1.0);
+  }
+  EXPECT_GE(fused_rows, 20);
+  EXPECT_LE(fused_rows, 23);
+}
+
+TEST(Fusion, FinalPathIsAtLeastAsGoodAsTheLasers) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+  common::Trajectory2 laser_final;
+  common::Trajectory2 visual_final;
+  const auto keep = [](common::Trajectory2& path) {
+    return [&path](int, common::PoseEstimate& estimate) {
+      path.push_back({estimate.stamp, estimate.pose});
+      return true;
+    };
+  };
+  const DriveLog run = drive(*fusion, 800, {.laser = keep(laser_final), .visual = keep(visual_final)});
+
+  const FusionResult result = fusion->finish(laser_final, visual_final);
+
+  EXPECT_TRUE(result.alignment.accepted) << result.alignment.reason;
+  ASSERT_EQ(result.fused_final.size(), run.poses.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < result.fused_final.size(); ++i) {
+    EXPECT_EQ(result.fused_final[i].stamp, run.poses[i].estimate.stamp);
+    sum += (result.fused_final[i].pose.translation() - simulation.truth(run.steps[i]).translation()).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(result.fused_final.size())), 0.03);
+}
+
+TEST(Fusion, FinishingWithNothingGivesNothingAndAReason) {
+  const auto fusion = make_fusion();
+
+  const FusionResult result = fusion->finish({}, {});
+
+  EXPECT_TRUE(result.fused_final.empty());
+  EXPECT_FALSE(result.alignment.accepted);
+  EXPECT_THAT(result.alignment.reason, HasSubstr("no laser trajectory"));
+}
+
+TEST(Fusion, GivesTheSamePosesEveryTime) {
+  const auto first = make_fusion();
+  const auto second = make_fusion();
+
+  const DriveLog a = drive(*first, 600, {});
+  const DriveLog b = drive(*second, 600, {});
+
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    EXPECT_EQ(a.poses[i].estimate.pose.vector(), b.poses[i].estimate.pose.vector());
+    EXPECT_EQ(a.poses[i].estimate.covariance, b.poses[i].estimate.covariance);
+  }
+}
+
+TEST(Fusion, TheCovarianceIsNotOverconfident) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+
+  const DriveLog run = drive(*fusion, 1200, {});
+
+  double sum = 0.0;
+  for (std::size_t i = 0; i < run.poses.size(); ++i) {
+    const Eigen::Vector3d error = difference(run.poses[i].estimate.pose, simulation.truth(run.steps[i]));
+    sum += error.dot(run.poses[i].estimate.covariance.inverse() * error);
+  }
+  EXPECT_LT(sum / static_cast<double>(run.poses.size()), 3.0);  // normalised squared error, 3 when exact
+}
+
+TEST(FusionCreate, RefusesAnAngleStepThatDoesNotDivideARightAngle) {
+  FusionOptions options;
+  options.alignment.seed004.angle_step = 0.7;
+
+  const auto fusion = Fusion::create(options);
+
+  ASSERT_FALSE(fusion.has_value());
+  EXPECT_EQ(fusion.error().kind, common::ErrorKind::kInvalidInput);
+  EXPECT_THAT(fusion.error().message, HasSubstr("angle_step: 0.7"));
+}
+
+}  // namespace
+}  // namespace slamfuse::fusion
