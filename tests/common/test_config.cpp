@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadYaml{"WrongIndent", "laser:\n    particles: 3\n  motion: fast\n", "robot.yaml:3:"},
         BadYaml{"TooDeep", nested(40), "nested deeper than 16 levels"},
         BadYaml{"FarTooDeep", std::string(100000, '['), "robot.yaml"},
-        BadYaml{"TooLarge", "seed: 3\n#" + std::string(300 * 1024, 'x'), "larger than 262144 bytes"},
+        BadYaml{"TooLarge", "seed: 3\n#" + std::string(std::size_t{300} * 1024, 'x'), "larger than 262144 bytes"},
         BadYaml{"Binary",
                 std::string("\x7f"
                             "ELF\0\1\2\xff\n",

@@ -16,13 +16,15 @@ using testing::HasSubstr;
 
 constexpr Nanoseconds kMillisecond = 1'000'000;
 constexpr Nanoseconds kStart = 1'700'000'000 * kNanosecondsPerSecond;
+/// Between the poses of the paths made here.
+constexpr Nanoseconds kStep = 20 * kMillisecond;
 
 /// Round a circle of 2 m radius at 1 m/s, a pose every 20 ms for `seconds`.
 Trajectory2 circle(int seconds) {
   Trajectory2 trajectory;
   for (int i = 0; i <= seconds * 50; ++i) {
     const double turn = 0.02 * i / 2.0;
-    trajectory.push_back({kStart + i * 20 * kMillisecond,
+    trajectory.push_back({kStart + i * kStep,
                           {2.0 * std::cos(turn), 2.0 * std::sin(turn), normalize_angle(turn + std::numbers::pi / 2)}});
   }
   return trajectory;
@@ -109,7 +111,7 @@ TEST(EvaluateTrajectory, GivesTheRelativeErrorInPercentOfTheWay) {
   Trajectory2 truth;
   Trajectory2 estimate;
   for (int i = 0; i <= 1000; ++i) {
-    truth.push_back({kStart + i * 20 * kMillisecond, {0.02 * i, 0, 0}});
+    truth.push_back({kStart + i * kStep, {0.02 * i, 0, 0}});
     estimate.push_back({truth.back().stamp, {0.02 * 1.03 * i, 0, 0}});
   }
 
