@@ -14,7 +14,7 @@ std::optional<double> degenerate_direction(const Eigen::Matrix3d& information, d
     position -= coupling * coupling.transpose() / information(2, 2);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(position);  // eigenvalues rise
-  if (eigen.eigenvalues()(0) >= ratio * eigen.eigenvalues()(1)) return std::nullopt;
+  if (eigen.eigenvalues()(0) > ratio * eigen.eigenvalues()(1)) return std::nullopt;
   const Eigen::Vector2d weak = eigen.eigenvectors().col(0);
   return std::atan(weak.y() / weak.x());
 }

@@ -17,6 +17,14 @@ constexpr int kMask = Tile::kSide - 1;
 constexpr double kFarthest = 20000.0;  // [m] from the origin; beyond, path units and tile numbers end
 constexpr int kRayMargin = 1;          // cells before an endpoint a beam does not clear: the wall itself at a slant
 
+/// When a cell was last seen, on seeing it again. After a long absence it comes only halfway: a place that comes into
+/// view bit by bit is then still old when the robot stands in it, which is what closing a loop is told by.
+std::uint16_t seen_again(std::uint16_t last_path, std::uint16_t path) {
+  constexpr int kAbsence = static_cast<int>(5.0 / Endpoints::kPathUnit);  // 5 m
+  const int gap = path - last_path;
+  return gap <= kAbsence ? path : static_cast<std::uint16_t>(last_path + gap / 2);
+}
+
 std::int8_t integer_log_odds(double probability) {
   static mrpt::maps::CLogOddsGridMapLUT<std::int8_t> table;
   return table.p2l(static_cast<float>(probability));
@@ -112,7 +120,7 @@ void GridMap::hit(int cell_x, int cell_y, const Eigen::Vector2d& point, std::uin
   };
   ends.offset_x = blend(ends.offset_x, offset.x());
   ends.offset_y = blend(ends.offset_y, offset.y());
-  ends.last_path = path;
+  ends.last_path = seen_again(ends.hits == 1 ? path : ends.last_path, path);
   set_occupied(tile, cell_x, cell_y, tile.log_odds[i] < occupied_below_);
 }
 

@@ -68,6 +68,7 @@ class LaserSlam::Impl {
     if (!started_ || !command.pose.is_finite() || !command.covariance.allFinite()) return;
     filter_.scatter(command.pose, command.covariance + floor_covariance());
     begin_segment(std::nullopt);
+    predictor_.forget_speed();
     monitor_.reset();
     announce("relocalised", "the pose was set from outside");
   }

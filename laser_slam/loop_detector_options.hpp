@@ -8,8 +8,8 @@ namespace slamfuse::laser_slam {
 /// Settings of the LoopDetector.
 struct LoopDetectorOptions {
   double min_path = 10.0;
-  double enter_share = 0.5;
-  double leave_share = 0.2;
+  double enter_share = 0.25;
+  double leave_share = 0.1;
 
   void describe(common::OptionVisitor& visit) {
     visit.real("min_path", min_path, {0.5, 1000.0}, "m",

@@ -16,8 +16,8 @@ struct MotionModelOptions {
   double rotation_base = 0.01;
   double max_speed = 3.0;
   double max_turn_rate = 6.0;
-  double predicted_acceleration = 1.0;
-  double predicted_turn_acceleration = 2.0;
+  double predicted_acceleration = 2.0;
+  double predicted_turn_acceleration = 4.0;
 
   void describe(common::OptionVisitor& visit) {
     visit.real("translation_per_metre", translation_per_metre, {0.0, 2.0}, "m/m", "Odometry's position error.");

@@ -28,6 +28,8 @@ class MotionPredictor {
   void add(const common::WheelOdometry& odometry) { odometry_.add(odometry); }
   /// Begins at a scan: the next prediction counts from here, at rest.
   void start(common::Nanoseconds stamp);
+  /// Forgets the speed: the robot was put somewhere else.
+  void forget_speed() { twist_.setZero(); }
   /// The motion since the last scan given to start() or finish().
   MotionPrediction predict(common::Nanoseconds stamp) const;
   /// Ends the step to a scan with the motion it was found to have been.

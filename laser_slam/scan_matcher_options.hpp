@@ -7,7 +7,7 @@ namespace slamfuse::laser_slam {
 
 /// Settings of scan matching against a GridMap.
 struct ScanMatcherOptions {
-  double sigma = 0.03;
+  double sigma = 0.02;
   int kernel_cells = 2;
   double outlier_probability = 0.05;
   double unknown_likelihood = 0.5;

@@ -11,7 +11,7 @@ struct Endpoints {
   std::int16_t offset_x = 0;    ///< mean minus cell centre, in units of resolution / kOffsetUnits
   std::int16_t offset_y = 0;    ///< the same along y
   std::uint16_t hits = 0;       ///< endpoints so far, saturating
-  std::uint16_t last_path = 0;  ///< path length of the robot at the last of them, in units of kPathUnit metres
+  std::uint16_t last_path = 0;  ///< path length of the robot at the last of them [kPathUnit m], see GridMap
 
   static constexpr double kOffsetUnits = 60000.0;  // +-half a cell fits 16 bits
   static constexpr double kPathUnit = 0.25;        // 16 km fit 16 bits

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser_slam/laser_slam.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+#include "synthetic_room.hpp"
+
+namespace slamfuse::laser_slam {
+namespace {
+
+using ::testing::HasSubstr;
+constexpr common::Nanoseconds kPeriod = common::kNanosecondsPerSecond / 10;
+
+struct Drive {
+  std::vector<common::PoseEstimate> estimates;
+  std::vector<common::Pose2> truth;
+  std::vector<common::Event> events;
+  std::unique_ptr<LaserSlam> slam;
+
+  bool has_event(const std::string& kind) const {
+    return std::any_of(events.begin(), events.end(), [&](const auto& event) { return event.kind == kind; });
+  }
+  double worst_error() const {
+    double worst = 0.0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      worst = std::max(worst, testing::distance(truth.front() * estimates[i].pose, truth[i]));
+    }
+    return worst;
+  }
+};
+
+struct DriveSettings {
+  testing::Walls walls = testing::room();
+  common::LaserCalibration laser = testing::full_circle_laser();
+  LaserSlamOptions options;
+  int threads = 1;
+  bool odometry = true;
+  /// Falsifies the odometry pose of a step.
+  std::function<common::Pose2(int, const common::Pose2&)> odometry_error = [](int, const common::Pose2& pose) {
+    return pose;
+  };
+};
+
+LaserSlamOptions few_particles(int particles = 8) {
+  LaserSlamOptions options;
+  options.particles = particles;
+  return options;
+}
+
+/// Drives through the poses, one scan each 0.1 s, with 1 cm of range noise.
+Drive drive(const std::vector<common::Pose2>& poses, const DriveSettings& settings) {
+  Drive result;
+  result.slam = *LaserSlam::create(settings.options, "laser0", settings.laser, 1, settings.threads);
+  RandomStream noise(99, 0);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const common::Nanoseconds stamp = static_cast<common::Nanoseconds>(i) * kPeriod;
+    if (settings.odometry) {
+      const common::Pose2 odometry = settings.odometry_error(static_cast<int>(i), poses.front().inverse() * poses[i]);
+      result.slam->process(common::WheelOdometry{stamp, "odom0", odometry, 0.0, 0.0});
+    }
+    const common::ProcessResult processed =
+        result.slam->process(testing::scan_at(settings.walls, settings.laser, stamp, poses[i], &noise));
+    EXPECT_TRUE(processed.estimate) << processed.rejected.value_or("");
+    if (!processed.estimate) continue;
+    EXPECT_EQ(processed.estimate->stamp, stamp);
+    result.estimates.push_back(*processed.estimate);
+    result.truth.push_back(poses[i]);
+    for (const common::Event& event : processed.estimate->events) result.events.push_back(event);
+  }
+  return result;
+}
+
+/// A circle of 0.8 m around (0.9, 0.5), 0.05 m a step.
+std::vector<common::Pose2> circle(int steps) {
+  std::vector<common::Pose2> poses;
+  for (int i = 0; i < steps; ++i) {
+    const double angle = 0.05 / 0.8 * i;
+    poses.push_back({0.9 + 0.8 * std::cos(angle), 0.5 + 0.8 * std::sin(angle),
+                     common::normalize_angle(angle + std::numbers::pi / 2.0)});
+  }
+  return poses;
+}
+
+/// Once round the ring and a bit further, 0.08 m a step.
+std::vector<common::Pose2> round_the_ring() {
+  std::vector<common::Pose2> poses;
+  common::Pose2 pose{0.0, 0.0, 0.0};
+  for (int side = 0; side < 5; ++side) {
+    for (int i = 0; i < (side == 4 ? 50 : 150); ++i) poses.push_back(pose = pose * common::Pose2{0.08, 0.0, 0.0});
+    for (int i = 0; side < 4 && i < 10; ++i) {
+      poses.push_back(pose = pose * common::Pose2{0.0, 0.0, std::numbers::pi / 20.0});
+    }
+  }
+  return poses;
+}
+
+TEST(LaserSlam, FollowsADriveThroughARoom) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.odometry_error = [](int, const common::Pose2& pose) {
+    return common::Pose2{1.1 * pose.x, 1.1 * pose.y, common::normalize_angle(pose.theta * 1.05)};
+  };
+  const Drive result = drive(circle(150), settings);
+  EXPECT_LT(result.worst_error(), 0.05);
+  EXPECT_EQ(result.slam->final_trajectory().size(), result.estimates.size());
+  for (const auto& estimate : result.estimates) {
+    EXPECT_EQ(estimate.state, common::TrackingState::kTracking);
+    EXPECT_EQ(estimate.source, common::PoseSource::kLaser);
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(estimate.covariance).eigenvalues()(0), 0.0);
+  }
+  EXPECT_GT(result.estimates.back().health.scan_likelihood.value_or(0.0), 0.7);
+  EXPECT_FALSE(result.estimates.back().health.degenerate_direction);
+}
+
+TEST(LaserSlam, WorksWithoutOdometry) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.odometry = false;
+  EXPECT_LT(drive(circle(150), settings).worst_error(), 0.05);
+}
+
+TEST(LaserSlam, SurvivesJumpsOfTheOdometry) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.odometry_error = [](int i, const common::Pose2& pose) {
+    common::Pose2 jumped = pose;
+    if (i >= 40) jumped = common::Pose2{5.0, -3.0, 1.0} * jumped;  // a teleport
+    if (i >= 80) jumped = common::Pose2{0.25, 0.1, 0.3} * jumped;  // a wheel slipped: possible but wrong
+    return jumped;
+  };
+  EXPECT_LT(drive(circle(130), settings).worst_error(), 0.08);
+}
+
+TEST(LaserSlam, TakesALaserMountedUpsideDownAndAside) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.laser.T_base_laser.translation = {0.2, -0.1, 0.4};
+  settings.laser.T_base_laser.rotation =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX());
+  EXPECT_LT(drive(circle(100), settings).worst_error(), 0.05);
+}
+
+TEST(LaserSlam, GivesTheSameBitsWithOneTwoAndThreeThreads) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  const Drive one = drive(circle(60), settings);
+  for (const int threads : {2, 3}) {
+    settings.threads = threads;
+    const Drive many = drive(circle(60), settings);
+    for (std::size_t i = 0; i < one.estimates.size(); ++i) {
+      ASSERT_EQ(one.estimates[i].pose.vector(), many.estimates[i].pose.vector());
+      ASSERT_EQ(one.estimates[i].covariance, many.estimates[i].covariance);
+    }
+    EXPECT_EQ(one.slam->grid().cells, many.slam->grid().cells);
+    EXPECT_EQ(*one.slam->serialize(), *many.slam->serialize());
+  }
+}
+
+TEST(LaserSlam, ClosesALoopAndSaysSo) {
+  DriveSettings settings;
+  settings.walls = testing::ring();
+  settings.options = few_particles(15);
+  settings.odometry_error = [](int, const common::Pose2& pose) {
+    return common::Pose2{1.03 * pose.x, 1.03 * pose.y, pose.theta};
+  };
+  const Drive result = drive(round_the_ring(), settings);
+  EXPECT_LT(result.worst_error(), 0.25);
+  EXPECT_TRUE(result.has_event("loop_closed"));
+  const auto end = result.slam->final_trajectory().back().pose;
+  EXPECT_LT(testing::distance(result.truth.front() * end, result.truth.back()), 0.12);
+}
+
+TEST(LaserSlam, RejectsImpossibleScansAndGoesOn) {
+  Drive result = drive(circle(20), {.options = few_particles()});
+  common::LaserScan bad = testing::scan_at(testing::room(), testing::full_circle_laser(), 20 * kPeriod, circle(21)[20]);
+  bad.ranges[3] = -1.0f;
+  EXPECT_THAT(result.slam->process(bad).rejected.value_or(""), HasSubstr("range -1 of beam 3"));
+  bad.ranges.resize(10);
+  EXPECT_THAT(result.slam->process(bad).rejected.value_or(""), HasSubstr("10 ranges, allowed are 180"));
+  const common::WheelOdometry bad_odometry{
+      20 * kPeriod, "odom0", {std::numeric_limits<double>::infinity(), 0.0, 0.0}, 0.0, 0.0};
+  EXPECT_THAT(result.slam->process(bad_odometry).rejected.value_or(""), HasSubstr("not finite"));
+  EXPECT_EQ(result.slam->final_trajectory().size(), 20u);
+
+  const auto good = testing::scan_at(testing::room(), testing::full_circle_laser(), 20 * kPeriod, circle(21)[20]);
+  const auto estimate = result.slam->process(good).estimate;
+  ASSERT_TRUE(estimate);
+  EXPECT_LT(testing::distance(result.truth.front() * estimate->pose, circle(21)[20]), 0.05);
+}
+
+TEST(LaserSlam, IgnoresOtherSensors) {
+  Drive result = drive(circle(2), {.options = few_particles()});
+  common::LaserScan other = testing::scan_at(testing::room(), testing::full_circle_laser(), kPeriod, common::Pose2{});
+  other.sensor = "laser1";
+  EXPECT_FALSE(result.slam->wants(other));
+  EXPECT_TRUE(result.slam->wants(common::WheelOdometry{}));
+  EXPECT_FALSE(result.slam->wants(common::Image{}));
+  const auto processed = result.slam->process(other);
+  EXPECT_FALSE(processed.estimate || processed.rejected);
+}
+
+TEST(LaserSlam, StartsANewEpochOnReset) {
+  Drive result = drive(circle(30), {.options = few_particles()});
+  result.slam->execute(common::Reset{});
+  EXPECT_TRUE(result.slam->final_trajectory().empty());
+  EXPECT_EQ(result.slam->grid().width, 0);
+  EXPECT_FALSE(result.slam->serialize());
+  const auto estimate =
+      result.slam
+          ->process(testing::scan_at(testing::room(), testing::full_circle_laser(), 31 * kPeriod, common::Pose2{}))
+          .estimate;
+  ASSERT_TRUE(estimate);
+  EXPECT_EQ(estimate->map_epoch, 1u);
+  EXPECT_EQ(estimate->pose.vector(), Eigen::Vector3d::Zero());
+  ASSERT_EQ(estimate->events.size(), 1u);
+  EXPECT_EQ(estimate->events[0].kind, "map_reset");
+}
+
+TEST(LaserSlam, MovesToAPoseSetFromOutside) {
+  Drive result = drive(circle(40), {.options = few_particles()});
+  const common::Pose2 there = result.truth.front().inverse() * common::Pose2{0.5, 0.5, 0.3};
+  result.slam->execute(common::SetPose{there, Eigen::Vector3d(0.0025, 0.0025, 0.0025).asDiagonal()});
+  // The robot was carried there and stands; the wheels have not turned.
+  const auto scan =
+      testing::scan_at(testing::room(), testing::full_circle_laser(), 40 * kPeriod, common::Pose2{0.5, 0.5, 0.3});
+  const auto estimate = result.slam->process(scan).estimate;
+  ASSERT_TRUE(estimate);
+  EXPECT_LT(testing::distance(estimate->pose, there), 0.03);
+  EXPECT_EQ(result.slam->final_trajectory().size(), 41u);
+}
+
+TEST(LaserSlam, AnswersRelocaliseWithAnEvent) {
+  Drive result = drive(circle(5), {.options = few_particles()});
+  result.slam->execute(common::Relocalise{});
+  const auto scan = testing::scan_at(testing::room(), testing::full_circle_laser(), 5 * kPeriod, circle(6)[5]);
+  const auto estimate = result.slam->process(scan).estimate;
+  ASSERT_TRUE(estimate);
+  ASSERT_FALSE(estimate->events.empty());
+  EXPECT_EQ(estimate->events[0].kind, "relocalise_refused");
+}
+
+TEST(LaserSlam, ContinuesInASavedMap) {
+  const auto poses = circle(100);
+  const Drive first = drive({poses.begin(), poses.begin() + 50}, {.options = few_particles()});
+  const auto bytes = first.slam->serialize();
+  ASSERT_TRUE(bytes);
+
+  auto second = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 2, 1);
+  ASSERT_TRUE(second->restore(*bytes));
+  EXPECT_FALSE(second->restore("nonsense"));
+  common::PoseEstimate last;
+  for (int i = 49; i < 100; ++i) {
+    const auto stamp = i * kPeriod;
+    second->process(common::WheelOdometry{stamp, "odom0", poses[static_cast<std::size_t>(i)], 0.0, 0.0});
+    const auto processed = second->process(
+        testing::scan_at(testing::room(), testing::full_circle_laser(), stamp, poses[static_cast<std::size_t>(i)]));
+    ASSERT_TRUE(processed.estimate);
+    last = *processed.estimate;
+  }
+  EXPECT_EQ(last.map_epoch, 1u);
+  EXPECT_LT(testing::distance(poses.front() * last.pose, poses.back()), 0.05) << "in the frame of the first run";
+}
+
+TEST(LaserSlam, RefusesACalibrationItCannotUse) {
+  common::LaserCalibration laser = testing::full_circle_laser();
+  laser.angle_increment = 0.0;
+  const auto slam = LaserSlam::create({}, "laser0", laser, 1, 1);
+  ASSERT_FALSE(slam);
+  EXPECT_EQ(slam.error().kind, common::ErrorKind::kInvalidInput);
+  EXPECT_THAT(slam.error().message, HasSubstr("laser0"));
+}
+
+TEST(LaserSlam, SaysItIsLostWhenTheScansMatchNothing) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  Drive result = drive(circle(60), settings);
+  // Suddenly a crowd stands close around the robot: every beam is cut short at random.
+  RandomStream random(4, 4);
+  bool lost = false;
+  for (int i = 60; i < 100; ++i) {
+    common::LaserScan scan;
+    scan.stamp = i * kPeriod;
+    scan.sensor = "laser0";
+    for (int beam = 0; beam < 180; ++beam) scan.ranges.push_back(static_cast<float>(0.3 + 0.6 * random.uniform()));
+    const auto estimate = result.slam->process(scan).estimate;
+    ASSERT_TRUE(estimate);
+    lost = lost || estimate->state == common::TrackingState::kLost;
+  }
+  EXPECT_TRUE(lost);
+}
+
+}  // namespace
+}  // namespace slamfuse::laser_slam

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laser_slam/map_state.hpp"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "synthetic_room.hpp"
+
+namespace slamfuse::laser_slam {
+namespace {
+
+using ::testing::HasSubstr;
+
+MapState room_state() {
+  const auto laser = testing::full_circle_laser();
+  const auto beams =
+      project_scan(testing::scan_at(testing::room(), laser, 0, common::Pose2{}), laser, {}, Eigen::Vector3d::Zero());
+  MapState state{{0.5, -0.25, 1.0}, 12.5, GridMap{MapOptions{}}};
+  InsertionScratch scratch;
+  state.map.insert(*beams, {}, 3.0, scratch);
+  return state;
+}
+
+std::string refusal(const std::string& bytes, const MapOptions& options = {}) {
+  const auto state = parse_state(bytes, options);
+  return state ? std::string() : state.error().message;
+}
+
+TEST(MapState, ComesBackAsItWas) {
+  const MapState before = room_state();
+  const std::string bytes = serialize_state(before);
+  const auto after = parse_state(bytes, MapOptions{});
+  ASSERT_TRUE(after) << after.error().message;
+  EXPECT_EQ(after->pose.vector(), before.pose.vector());
+  EXPECT_EQ(after->path_length, 12.5);
+  EXPECT_EQ(serialize_state(*after), bytes);
+  const Surface wall = before.map.surface_at({-3.03, 0.0}, 2);
+  ASSERT_GT(wall.weight, 0.0);
+  EXPECT_EQ(after->map.surface_at({-3.03, 0.0}, 2).mean, wall.mean);
+}
+
+TEST(MapState, RefusesWhatIsCutAlteredNewerOrForeign) {
+  const std::string bytes = serialize_state(room_state());
+  EXPECT_EQ(refusal(bytes), "");
+  EXPECT_THAT(refusal(""), HasSubstr("SFLASER1"));
+  EXPECT_THAT(refusal("P5 100 100 255 and so on and so on"), HasSubstr("SFLASER1"));
+  EXPECT_THAT(refusal(bytes.substr(0, bytes.size() / 2)), HasSubstr("announced"));
+  std::string altered = bytes;
+  altered[bytes.size() / 2] = static_cast<char>(altered[bytes.size() / 2] ^ 1);
+  EXPECT_THAT(refusal(altered), HasSubstr("checksum"));
+  std::string newer = bytes;
+  newer[8] = 9;
+  EXPECT_THAT(refusal(newer), HasSubstr("version 9"));
+}
+
+TEST(MapState, RefusesAnotherCellSize) {
+  MapOptions options;
+  options.resolution = 0.1;
+  EXPECT_THAT(refusal(serialize_state(room_state()), options), HasSubstr("laser.map.resolution is 0.1"));
+}
+
+TEST(MapState, RefusesAPoseThatIsNotFinite) {
+  MapState state = room_state();
+  state.pose.x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(serialize_state(state)), HasSubstr("not finite"));
+}
+
+TEST(MapState, TakesAnEmptyMap) { EXPECT_EQ(refusal(serialize_state({{}, 0.0, GridMap{MapOptions{}}})), ""); }
+
+TEST(ToOccupancyGrid, ShowsWallsFreeSpaceAndTheUnknownWhereTheyAre) {
+  const MapState state = room_state();
+  const common::OccupancyGrid grid = to_occupancy_grid(state.map);
+  const auto value_at = [&](double x, double y) {
+    const Eigen::Vector2d cell = (Eigen::Vector2d(x, y) - grid.origin) / grid.resolution;
+    return static_cast<int>(grid.at(static_cast<int>(cell.x()), static_cast<int>(cell.y())));
+  };
+  EXPECT_GT(value_at(-3.03, -0.01), 60);
+  EXPECT_LT(value_at(1.0, 0.0), 45);
+  EXPECT_EQ(value_at(2.1, 3.2), common::OccupancyGrid::kUnknown) << "inside the cupboard";
+  EXPECT_EQ(grid.cells.size(), static_cast<std::size_t>(grid.width * grid.height));
+}
+
+TEST(ToOccupancyGrid, IsEmptyForAnEmptyMap) {
+  const common::OccupancyGrid grid = to_occupancy_grid(GridMap{MapOptions{}});
+  EXPECT_EQ(grid.width, 0);
+  EXPECT_TRUE(grid.cells.empty());
+}
+
+}  // namespace
+}  // namespace slamfuse::laser_slam

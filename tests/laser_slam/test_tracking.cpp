@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "laser_slam/ancestry.hpp"
+#include "laser_slam/loop_detector.hpp"
+#include "laser_slam/motion_predictor.hpp"
+#include "laser_slam/path_log.hpp"
+#include "laser_slam/tracking_monitor.hpp"
+#include "synthetic_room.hpp"
+
+namespace slamfuse::laser_slam {
+namespace {
+
+using common::TrackingState;
+constexpr common::Nanoseconds kSecond = common::kNanosecondsPerSecond;
+
+TEST(LoopDetector, ClosesOnceOnEnteringOldGround) {
+  LoopDetector loops{LoopDetectorOptions{}};
+  EXPECT_FALSE(loops.closes(0.1, 20.0));
+  EXPECT_TRUE(loops.closes(0.7, 21.0));
+  EXPECT_FALSE(loops.closes(0.8, 22.0)) << "still on it";
+  EXPECT_FALSE(loops.closes(0.1, 23.0));
+  EXPECT_FALSE(loops.closes(0.7, 25.0)) << "left it only 3 m ago";
+  EXPECT_FALSE(loops.closes(0.0, 26.0));
+  EXPECT_TRUE(loops.closes(0.6, 40.0));
+}
+
+TEST(LoopDetector, DoesNotFireInTheFirstMetres) {
+  LoopDetector loops{LoopDetectorOptions{}};
+  EXPECT_FALSE(loops.closes(1.0, 2.0));
+}
+
+TEST(TrackingMonitor, BecomesLostOnlyAfterTheStatedTimeAndFoundOnClearAgreement) {
+  TrackingMonitor monitor({0.45, 0.25, 2.0});
+  monitor.add(0, 0.8);
+  EXPECT_EQ(monitor.state(), TrackingState::kTracking);
+  monitor.add(1 * kSecond, 0.1);
+  EXPECT_EQ(monitor.state(), TrackingState::kUncertain);
+  EXPECT_FALSE(monitor.may_map());
+  monitor.add(3 * kSecond, 0.1);
+  EXPECT_EQ(monitor.state(), TrackingState::kLost);
+  EXPECT_TRUE(monitor.just_lost());
+  monitor.add(4 * kSecond, 0.3);
+  EXPECT_EQ(monitor.state(), TrackingState::kLost) << "doubtful agreement does not end it";
+  EXPECT_FALSE(monitor.just_lost());
+  monitor.add(5 * kSecond, 0.7);
+  EXPECT_EQ(monitor.state(), TrackingState::kTracking);
+  EXPECT_TRUE(monitor.just_found());
+}
+
+TEST(TrackingMonitor, KeepsItsStateWhereNothingIsKnownYet) {
+  TrackingMonitor monitor({0.45, 0.25, 2.0});
+  monitor.add(0, std::nullopt);
+  EXPECT_EQ(monitor.state(), TrackingState::kTracking);
+  monitor.add(1, 0.3);
+  EXPECT_EQ(monitor.state(), TrackingState::kUncertain);
+  EXPECT_TRUE(monitor.may_map());
+}
+
+TEST(Ancestry, FollowsParentsBackThroughResampling) {
+  Ancestry ancestry;
+  ancestry.record({{{0.0, 0.0, 0.0}, 0}, {{0.0, 1.0, 0.0}, 0}});
+  ancestry.record({{{1.0, 0.0, 0.0}, 1}, {{1.0, 1.0, 0.0}, 1}});
+  ancestry.record({{{2.0, 0.0, 0.0}, 1}, {{2.0, 1.0, 0.0}, 0}});
+  const auto path = ancestry.path_of(1);
+  ASSERT_EQ(path.size(), 3u);
+  EXPECT_EQ(path[2].y, 1.0);
+  EXPECT_EQ(path[1].y, 0.0);
+  EXPECT_EQ(path[0].y, 1.0);
+}
+
+TEST(PathLog, SpreadsACorrectionEvenlyOverItsSegment) {
+  PathLog log;
+  log.begin_segment(std::nullopt);
+  log.add(0, {});
+  log.add(1, {1.0, 0.0, 0.0});
+  log.begin_segment(common::Pose2{2.0, 0.0, 0.0});
+  log.add(2, {});
+  log.add(3, {0.5, 0.0, 0.0});
+
+  const auto path = log.compose({{0.0, 0.0, 0.0}, {2.0, 0.2, 0.0}});
+
+  ASSERT_EQ(path.size(), 4u);
+  EXPECT_EQ(path[0].pose.y, 0.0);
+  EXPECT_NEAR(path[1].pose.x, 1.0, 1e-9);
+  EXPECT_NEAR(path[1].pose.y, 0.1, 1e-9);
+  EXPECT_NEAR(path[2].pose.y, 0.2, 1e-9);
+  EXPECT_NEAR(path[3].pose.x, 2.5, 1e-9);
+  EXPECT_EQ(path[3].stamp, 3);
+}
+
+TEST(PathLog, DoesNotBendThePathTowardsAPoseSetFromOutside) {
+  PathLog log;
+  log.begin_segment(std::nullopt);
+  log.add(0, {});
+  log.add(1, {1.0, 0.0, 0.0});
+  log.begin_segment(std::nullopt);
+  const auto path = log.compose({{0.0, 0.0, 0.0}, {50.0, 0.0, 0.0}});
+  EXPECT_NEAR(path[1].pose.x, 1.0, 1e-9);
+}
+
+TEST(MotionPredictor, UsesOdometryAndElseTheLastSpeed) {
+  MotionPredictor predictor{MotionModelOptions{}};
+  predictor.start(0);
+  predictor.finish(kSecond / 10, predictor.predict(kSecond / 10), {0.05, 0.0, 0.01});
+  const MotionPrediction without = predictor.predict(2 * kSecond / 10);
+  EXPECT_FALSE(without.from_odometry);
+  EXPECT_NEAR(without.increment.x, 0.05, 1e-9);
+
+  predictor.add({2 * kSecond / 10, "odom0", {7.0, 0.0, 0.0}, 0.0, 0.0});
+  predictor.finish(2 * kSecond / 10, without, without.increment);
+  predictor.add({3 * kSecond / 10, "odom0", {7.02, 0.0, 0.0}, 0.0, 0.0});
+  const MotionPrediction with = predictor.predict(3 * kSecond / 10);
+  EXPECT_TRUE(with.from_odometry);
+  EXPECT_FALSE(with.suspicious);
+  EXPECT_NEAR(with.increment.x, 0.02, 1e-9);
+}
+
+TEST(MotionPredictor, SuspectsOdometryTooFastToBeTrue) {
+  MotionPredictor predictor{MotionModelOptions{}};
+  predictor.add({0, "odom0", {}, 0.0, 0.0});
+  predictor.start(0);
+  predictor.add({kSecond / 10, "odom0", {5.0, 0.0, 0.0}, 0.0, 0.0});
+  EXPECT_TRUE(predictor.predict(kSecond / 10).suspicious);
+}
+
+TEST(MotionPredictor, ForgetsItsSpeedOverALongGap) {
+  MotionPredictor predictor{MotionModelOptions{}};
+  predictor.start(0);
+  predictor.finish(kSecond / 10, predictor.predict(kSecond / 10), {0.05, 0.0, 0.0});
+  EXPECT_EQ(predictor.predict(5 * kSecond).increment.x, 0.0);
+}
+
+}  // namespace
+}  // namespace slamfuse::laser_slam
