@@ -5,6 +5,8 @@
 
 #include <dds/dds.h>
 
+#include "idl/cyclone_log.hpp"
+
 namespace slamfuse::idl {
 
 Entity::~Entity() {
@@ -24,7 +26,8 @@ common::Result<Entity> own(Entity::Handle handle_or_error, const std::string& wh
 }
 
 tl::unexpected<common::Error> dds_failed(const std::string& what, std::int32_t code) {
-  return common::failed("DDS: cannot " + what + ": " + dds_strretcode(code));
+  const std::string log = take_cyclone_log();
+  return common::failed("DDS: cannot " + what + ": " + dds_strretcode(code) + (log.empty() ? "" : " (" + log + ")"));
 }
 
 }  // namespace slamfuse::idl

@@ -28,7 +28,7 @@ class Entity {
 /// Takes over what a dds_create_... function returned, or tells what could not be done and why.
 common::Result<Entity> own(Entity::Handle handle_or_error, const std::string& what);
 
-/// An error value with Cyclone's words for a (negative) return code.
+/// An error value with Cyclone's words for a (negative) return code and what it has logged last.
 tl::unexpected<common::Error> dds_failed(const std::string& what, std::int32_t code);
 
 }  // namespace slamfuse::idl

@@ -10,6 +10,7 @@
 
 #include <dds/dds.h>
 
+#include "idl/cyclone_log.hpp"
 #include "idl/qos.hpp"
 
 namespace slamfuse::idl {
@@ -56,6 +57,7 @@ struct Participant::State {
 };
 
 common::Result<Participant> Participant::create(const DomainSettings& settings) {
+  capture_cyclone_log();
   Domain domain;
   if (settings.loopback_only) {
     auto configured = configured_domain(settings.id);

@@ -182,7 +182,7 @@ svg .dots{fill:none;stroke-width:2.6;stroke-linecap:round;stroke-opacity:.7}
 svg .dot{stroke:none}
 svg .laser{stroke:var(--laser)}svg .visual{stroke:var(--visual)}svg .fused{stroke:var(--fused)}
 svg .odometry{stroke:var(--odometry);stroke-dasharray:5 3}svg .truth{stroke:var(--truth)}
-svg .landmark{stroke:var(--landmark)}
+svg .landmark{stroke:var(--landmark)}svg .other{stroke:var(--odometry)}
 svg .line.laser{stroke-width:2.8;stroke-opacity:.6}
 svg .dots.odometry{stroke-dasharray:none}
 svg .dot.laser{fill:var(--laser)}svg .dot.visual{fill:var(--visual)}svg .dot.fused{fill:var(--fused)}

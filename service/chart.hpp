@@ -16,7 +16,7 @@ using ChartPoints = std::vector<Eigen::Vector2d>;
 /// One line or point cloud of a chart.
 struct ChartSeries {
   std::string label;  ///< in the legend, plain text (escaped when drawn)
-  std::string style;  ///< CSS class that gives the colour: "laser", "visual", "fused", "odometry", "truth"
+  std::string style;  ///< CSS class that gives the colour: "laser", "visual", "fused", "odometry", "truth", "other"
   ChartPoints points;
   bool dots = false;  ///< draw dots instead of a line
 };

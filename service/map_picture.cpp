@@ -25,6 +25,7 @@ constexpr double kNarrowest = 200.0;  // room for the legend beside very tall pl
 constexpr double kMarginLeft = 48.0;
 constexpr double kMarginRight = 14.0;
 constexpr double kMarginBottom = 38.0;
+constexpr double kTickRoom = 46.0;  // on both axes, so that they get the same steps
 constexpr double kBorder = 0.04;    // of the larger side, around everything
 constexpr double kMinBorder = 0.1;  // [m]
 
@@ -138,8 +139,8 @@ std::string map_picture(const MapPicture& picture) {
   // Grid lines would look like walls on a map: only the ticks there.
   const PlotArea x_area{area.left, area.right, png ? area.bottom : area.top, area.bottom};
   const PlotArea y_area{area.left, png ? area.left : area.right, area.top, area.bottom};
-  svg += svg_x_axis(x_area, x, "x [m]");
-  svg += svg_y_axis(y_area, y, "y [m]", kTickRoomX);
+  svg += svg_x_axis(x_area, x, "x [m]", kTickRoom);
+  svg += svg_y_axis(y_area, y, "y [m]", kTickRoom);
   svg += draw_landmarks(picture.landmarks, box, x, y);
   for (const PathLayer& layer : picture.paths) svg += draw_path(layer, x, y);
   return svg + draw_scale_bar(area, units_per_metre) + "</svg>";

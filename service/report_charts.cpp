@@ -69,12 +69,14 @@ ChartFrame over_time(const ReportData& data, const std::string& title, const std
   return {.title = title, .x_label = "time [s]", .y_label = y_label, .x_min = 0.0, .x_max = data.duration_s};
 }
 
-// One series of every source, by a function of one of its lists of records.
+// One series of every source (the odometry only when asked for), by a function of one of its lists of records.
 template <class Record>
 std::vector<ChartSeries> series_of_sources(const ReportData& data, std::vector<Record> ReportSource::*records,
-                                           const std::function<double(const Record&)>& value, bool dots) {
+                                           const std::function<double(const Record&)>& value, bool dots,
+                                           bool with_odometry) {
   std::vector<ChartSeries> all;
   for (const ReportSource& source : data.sources) {
+    if (source.source == common::PoseSource::kOdometry && !with_odometry) continue;
     const std::string name = common::to_string(source.source);
     ChartSeries series{name, name, {}, dots};
     for (const Record& record : source.*records) {
@@ -90,6 +92,7 @@ using HealthFigure = std::function<std::optional<double>(const common::Health&)>
 std::vector<ChartSeries> health_series(const ReportData& data, const std::string& suffix, const HealthFigure& figure) {
   std::vector<ChartSeries> all;
   for (const ReportSource& source : data.sources) {
+    if (source.source == common::PoseSource::kFused) continue;  // it only repeats a half's figures
     const std::string name = common::to_string(source.source);
     ChartSeries series{suffix.empty() ? name : name + " " + suffix, name, {}};
     for (const PoseEstimate& estimate : source.estimates) {
@@ -151,15 +154,19 @@ std::string plan_picture(const ReportData& data) {
 }
 
 std::vector<std::string> error_charts(const ReportData& data) {
+  const std::function<double(const ReportError&)> metres = [](const ReportError& e) { return e.position; };
+  const std::function<double(const ReportError&)> degrees = [](const ReportError& e) {
+    return common::to_degrees(e.heading);
+  };
   std::vector<std::string> charts;
-  add_chart(charts,
-            line_chart(over_time(data, "Position error", "error [m]"),
-                       series_of_sources<ReportError>(
-                           data, &ReportSource::errors, [](const ReportError& e) { return e.position; }, false)));
-  add_chart(charts, line_chart(over_time(data, "Heading error", "error [deg]"),
-                               series_of_sources<ReportError>(
-                                   data, &ReportSource::errors,
-                                   [](const ReportError& e) { return common::to_degrees(e.heading); }, false)));
+  const auto add = [&](const std::string& title, const std::string& y_label, const auto& value, bool with_odometry) {
+    add_chart(charts, line_chart(over_time(data, title, y_label),
+                                 series_of_sources(data, &ReportSource::errors, value, false, with_odometry)));
+  };
+  add("Position error", "error [m]", metres, false);
+  add("Heading error", "error [deg]", degrees, false);
+  add("Position error, with wheel odometry alone", "error [m]", metres, true);
+  add("Heading error, with wheel odometry alone", "error [deg]", degrees, true);
   return charts;
 }
 
@@ -185,7 +192,7 @@ std::vector<std::string> health_charts(const ReportData& data) {
   add("Effective particles", "particles",
       health_series(data, "", [](const auto& health) { return health.effective_particles; }));
   auto features = health_series(data, "matched", [](const auto& health) { return as_real(health.tracked_features); });
-  for (auto& series : features) series.style = "odometry";
+  for (auto& series : features) series.style = "other";
   for (auto& series : health_series(data, "accepted", [](const auto& health) { return as_real(health.inliers); })) {
     features.push_back(series);
   }
@@ -197,10 +204,10 @@ std::vector<std::string> health_charts(const ReportData& data) {
 
 std::vector<std::string> update_charts(const ReportData& data) {
   std::vector<std::string> charts;
-  add_chart(charts,
-            line_chart(over_time(data, "Computing time of each update", "time [ms]"),
-                       series_of_sources<ReportUpdate>(
-                           data, &ReportSource::updates, [](const ReportUpdate& u) { return u.milliseconds; }, true)));
+  add_chart(charts, line_chart(over_time(data, "Computing time of each update", "time [ms]"),
+                               series_of_sources<ReportUpdate>(
+                                   data, &ReportSource::updates, [](const ReportUpdate& u) { return u.milliseconds; },
+                                   true, true)));
   return charts;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -24,17 +26,30 @@ double lost_seconds(const ReportSource& source, const ReportData& data) {
   return seconds;
 }
 
-std::string availability(const ReportData& data) {
+// "a", "a and b", "a, b and c".
+std::string list(const std::vector<std::string>& names) {
   std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  }
+  return text;
+}
+
+std::string availability(const ReportData& data) {
+  std::vector<std::string> parts;
+  std::vector<std::string> always;
   for (const ReportSource& source : data.sources) {
     if (source.source == common::PoseSource::kOdometry || source.estimates.empty()) continue;
     const double lost = lost_seconds(source, data);
     const std::string name = common::to_string(source.source);
-    text += text.empty() ? "" : ", ";
-    text +=
-        lost > 0.0 ? fmt::format("{} had no pose for {:.1f} s", name, lost) : fmt::format("{} always had a pose", name);
+    if (lost > 0.0) {
+      parts.push_back(fmt::format("{} had no pose for {:.1f} s", name, lost));
+    } else {
+      always.push_back(name);
+    }
   }
-  return text.empty() ? "No estimator gave a pose." : fmt::format("Of {:.1f} s, {}.", data.duration_s, text);
+  if (!always.empty()) parts.insert(parts.begin(), list(always) + " always had a pose");
+  return parts.empty() ? "No estimator gave a pose." : fmt::format("Of {:.1f} s, {}.", data.duration_s, list(parts));
 }
 
 std::string accuracy(const ReportData& data) {

@@ -45,8 +45,8 @@ std::string svg_text(double x, double y, std::string_view text, std::string_view
                      escape(text));
 }
 
-std::string svg_x_axis(const PlotArea& area, const PlotAxis& axis, std::string_view label) {
-  const auto ticks = nice_ticks(axis.low, axis.high, tick_count(area.right - area.left, kTickRoomX));
+std::string svg_x_axis(const PlotArea& area, const PlotAxis& axis, std::string_view label, double tick_room) {
+  const auto ticks = nice_ticks(axis.low, axis.high, tick_count(area.right - area.left, tick_room));
   const auto labels = tick_labels(ticks);
   std::string svg;
   for (std::size_t i = 0; i < ticks.size(); ++i) {

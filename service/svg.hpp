@@ -34,10 +34,12 @@ std::string svg_text(double x, double y, std::string_view text, std::string_view
 inline constexpr double kTickRoomX = 60.0;
 inline constexpr double kTickRoomY = 34.0;
 
-/// Grid lines, tick labels and the axis label of a horizontal axis at the bottom of the area.
-std::string svg_x_axis(const PlotArea& area, const PlotAxis& axis, std::string_view label);
+/// Grid lines, tick labels and the axis label of a horizontal axis at the bottom of the area, a tick every `tick_room`
+/// or so.
+std::string svg_x_axis(const PlotArea& area, const PlotAxis& axis, std::string_view label,
+                       double tick_room = kTickRoomX);
 
-/// The same for a vertical axis at the left of the area, a tick every `tick_room` or so.
+/// The same for a vertical axis at the left of the area.
 std::string svg_y_axis(const PlotArea& area, const PlotAxis& axis, std::string_view label,
                        double tick_room = kTickRoomY);
 

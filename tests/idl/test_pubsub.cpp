@@ -108,11 +108,12 @@ TEST_F(PubSub, RefusesATopicNameThatDdsDoesNotAllow) {
   EXPECT_THAT(writer.error().message, testing::HasSubstr("rt/no spaces"));
 }
 
-TEST(Participant, RefusesABrokenCycloneConfiguration) {
+TEST(Participant, RefusesABrokenCycloneConfigurationAndSaysWhatIsWrongWithIt) {
   const ScopedEnvironment broken("CYCLONEDDS_URI", "<CycloneDDS><Domain><NoSuchThing/></Domain></CycloneDDS>");
   const auto participant = Participant::create({78, true});
   ASSERT_FALSE(participant);
   EXPECT_THAT(participant.error().message, testing::HasSubstr("domain 78"));
+  EXPECT_THAT(participant.error().message, testing::HasSubstr("NoSuchThing: unknown element"));
 }
 
 }  // namespace
