@@ -1,141 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/rawlog_recording.hpp"
 
-#include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CActionRobotMovement2D.h>
-#include <mrpt/obs/CObservation2DRangeScan.h>
-#include <mrpt/obs/CObservationOdometry.h>
-#include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/poses/CPose3D.h>
-#include <mrpt/serialization/CArchive.h>
-#include <mrpt/serialization/CSerializable.h>
-
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdint>
 #include <deque>
-#include <exception>
 #include <map>
 #include <numbers>
 #include <optional>
-#include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
-#include "common/angle.hpp"
-#include "common/byte_source.hpp"
 #include "common/laser_reading.hpp"
+#include "common/rawlog_entries.hpp"
 #include "common/recording_span.hpp"
 
 namespace slamfuse::common {
 namespace {
 
 constexpr const char* kOdometryName = "odom0";
+constexpr std::size_t kFewestReadings = 2;
 constexpr std::size_t kMostReadings = 100'000;
 /// Geometry repeated with every scan may differ by rounding, not by more [m, rad].
 constexpr double kGeometryTolerance = 1e-4;
-
-/// What MRPT reads objects from: our decompressed bytes. Knows whether the data ended between two objects.
-class SourceArchive final : public mrpt::serialization::CArchive {
- public:
-  explicit SourceArchive(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
-
-  /// The next object; empty when the data ends just before one. Throws what MRPT throws, and on damaged data.
-  mrpt::serialization::CSerializable::Ptr read_object() {
-    object_begun_ = false;
-    ended_between_objects_ = false;
-    try {
-      return ReadObject();
-    } catch (const std::exception&) {
-      if (ended_between_objects_) return nullptr;
-      throw;
-    }
-  }
-
-  /// Why the data ended in the middle of an object; empty when it did not.
-  const std::string& failure() const { return failure_; }
-
-  std::string getArchiveDescription() const override { return "rawlog"; }
-
- protected:
-  size_t read(void* buffer, size_t length) override {
-    const std::span<char> wanted(static_cast<char*>(buffer), length);
-    std::size_t size = 0;
-    while (size < length) {
-      if (begin_ == end_) fill();
-      if (begin_ == end_) {
-        ended_between_objects_ = !object_begun_ && size == 0;
-        fail("the file ends in the middle of an entry");
-      }
-      const std::size_t count = std::min(length - size, end_ - begin_);
-      std::copy_n(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_), count,
-                  wanted.begin() + static_cast<std::ptrdiff_t>(size));
-      begin_ += count;
-      size += count;
-    }
-    object_begun_ = true;
-    return size;
-  }
-
-  size_t write(const void*, size_t) override { throw std::logic_error("a rawlog is only read"); }
-
- private:
-  void fill() {
-    const Result<std::size_t> count = source_->read(buffer_);
-    if (!count) {
-      object_begun_ = true;  // damaged, even if between two objects
-      fail(count.error().message);
-    }
-    begin_ = 0;
-    end_ = *count;
-  }
-
-  /// Keeps the reason, because MRPT throws another exception on the way up.
-  [[noreturn]] void fail(const std::string& reason) {
-    failure_ = reason;
-    throw std::runtime_error(reason);
-  }
-
-  std::unique_ptr<ByteSource> source_;
-  std::string failure_;
-  std::vector<char> buffer_ = std::vector<char>(1U << 16);
-  std::size_t begin_ = 0;
-  std::size_t end_ = 0;
-  bool object_begun_ = false;
-  bool ended_between_objects_ = false;
-};
-
-/// MRPT counts 100 ns since 1601; 0 stands for no stamp, which becomes a negative number here.
-Nanoseconds stamp_from(const mrpt::Clock::time_point& time) {
-  constexpr std::int64_t kTicksFrom1601To1970 = 116'444'736'000'000'000;
-  constexpr std::int64_t kLatestTicks = kTicksFrom1601To1970 + 40'000'000'000'000'000;  // the year 2096
-  constexpr std::int64_t kNanosecondsPerTick = 100;
-  const std::int64_t ticks = time.time_since_epoch().count();
-  if (ticks < kTicksFrom1601To1970 || ticks > kLatestTicks) return -1;
-  return (ticks - kTicksFrom1601To1970) * kNanosecondsPerTick;
-}
-
-Pose2 pose_from(const mrpt::poses::CPose2D& pose) { return {pose.x(), pose.y(), normalize_angle(pose.phi())}; }
-
-Pose3 pose_from(const mrpt::poses::CPose3D& pose) {
-  const Eigen::Matrix3d rotation = pose.getRotationMatrix().asEigen();
-  return {{pose.x(), pose.y(), pose.z()}, Eigen::Quaterniond(rotation).normalized()};
-}
-
-/// Ranges run with the bearing here whichever way the laser turns; the sweep's duration is not in a rawlog.
-LaserCalibration calibration_from(const mrpt::obs::CObservation2DRangeScan& scan) {
-  LaserCalibration laser;
-  laser.T_base_laser = pose_from(scan.sensorPose);
-  laser.beams = static_cast<int>(scan.getScanSize());
-  laser.angle_min = -0.5 * double{scan.aperture};
-  laser.angle_increment = double{scan.aperture} / (laser.beams - 1);
-  laser.range_max = double{scan.maxRange};
-  return laser;
-}
 
 bool same_geometry(const LaserCalibration& a, const LaserCalibration& b) {
   const Pose3 change = a.T_base_laser.inverse() * b.T_base_laser;
@@ -144,21 +31,24 @@ bool same_geometry(const LaserCalibration& a, const LaserCalibration& b) {
          change.rotation.vec().norm() < kGeometryTolerance;
 }
 
-/// What an exception says, without the place in MRPT's sources and the call stack that MRPT adds.
-std::string told_by(const std::exception& error) {
-  const std::string_view text = error.what();
-  constexpr std::string_view kLabel = "Message:";
-  const std::size_t label = text.find(kLabel);
-  const std::size_t begin = label == std::string_view::npos ? 0 : text.find_first_not_of(' ', label + kLabel.size());
-  return std::string(text.substr(std::min(begin, text.size()), text.find('\n', begin) - begin));
+/// Why a scan's stated geometry cannot be used; empty when it can.
+std::string geometry_problem(const LaserCalibration& laser, std::size_t readings) {
+  if (readings < kFewestReadings || readings > kMostReadings) {
+    return "scan of " + std::to_string(readings) + " readings (allowed: " + std::to_string(kFewestReadings) + " to " +
+           std::to_string(kMostReadings) + ")";
+  }
+  constexpr double kFullTurn = 2.0 * std::numbers::pi * (1.0 + kGeometryTolerance);
+  const bool possible = laser.angle_increment > 0.0 && -2.0 * laser.angle_min <= kFullTurn && laser.range_max > 0.0 &&
+                        std::isfinite(laser.range_max) && laser.T_base_laser.is_finite();
+  return possible ? "" : "scan with an impossible aperture, maximum range or mounting";
 }
 
 /// The entries of a rawlog as messages, front to back.
 class RawlogReader {
  public:
-  /// `odometry_from_actions`: whether sensory frames get the odometry integrated from the actions before them.
-  RawlogReader(std::unique_ptr<ByteSource> source, std::string file, bool odometry_from_actions)
-      : archive_(std::move(source)), file_(std::move(file)), odometry_from_actions_(odometry_from_actions) {}
+  /// `odometry_from_actions`: whether sensory frames get the odometry summed from the actions before them.
+  RawlogReader(RawlogEntries entries, std::string file, bool odometry_from_actions)
+      : entries_(std::move(entries)), file_(std::move(file)), odometry_from_actions_(odometry_from_actions) {}
 
   std::optional<RecordingItem> next() {
     while (ready_.empty() && !ended_) read_entry();
@@ -173,129 +63,96 @@ class RawlogReader {
 
  private:
   void read_entry() {
-    try {
-      const mrpt::serialization::CSerializable::Ptr object = archive_.read_object();
-      ended_ = object == nullptr;
-      if (ended_) return;
-      ++entry_;
-      if (const auto actions = std::dynamic_pointer_cast<mrpt::obs::CActionCollection>(object)) {
-        integrate(*actions);
-      } else if (const auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {
-        add_frame(*frame);
-      } else if (const auto observation = std::dynamic_pointer_cast<mrpt::obs::CObservation>(object)) {
-        add_observation(*observation, 0);
-      }
-    } catch (const std::exception& error) {
-      ended_ = true;
-      reject(last_sensor_, last_stamp_,
-             "damaged, cut short or of a kind MRPT does not know, nothing behind it can be read: " +
-                 (archive_.failure().empty() ? told_by(error) : archive_.failure()));
+    const Result<std::optional<RawlogEntry>> entry = entries_.next();
+    ended_ = !entry || !*entry;
+    if (!ended_ || !entry) ++entry_;
+    if (!entry) return reject(last_sensor_, last_stamp_, entry.error().message);
+    if (ended_) return;
+    if (const auto* action = std::get_if<RawlogAction>(&**entry)) {
+      integrate(*action);
+    } else {
+      add_observations(std::get<RawlogObservations>(**entry));
     }
   }
 
-  void integrate(const mrpt::obs::CActionCollection& actions) {
-    mrpt::obs::CActionRobotMovement2D::Ptr movement =
-        const_cast<mrpt::obs::CActionCollection&>(actions).getMovementEstimationByType(
-            mrpt::obs::CActionRobotMovement2D::emOdometry);
-    if (!movement) return;
+  void integrate(const RawlogAction& action) {
     saw_actions_ = true;
-    const Pose2 step = pose_from(movement->rawOdometryIncrementReading);
-    if (!step.is_finite()) return reject(kOdometryName, last_stamp_, "odometry step that is not finite");
-    odometry_ = odometry_ * step;
-    forward_speed_ = movement->hasVelocities ? movement->velocityLin() : 0.0;
-    turn_rate_ = movement->hasVelocities ? movement->velocityAng() : 0.0;
+    if (!action.step.is_finite()) return reject(kOdometryName, last_stamp_, "odometry step that is not finite");
+    odometry_.pose = odometry_.pose * action.step;
+    odometry_.forward_speed = action.forward_speed;
+    odometry_.turn_rate = action.turn_rate;
   }
 
-  /// The odometry of an action/observation rawlog has no stamp: it is that of the frame's first scan.
-  void add_frame(const mrpt::obs::CSensoryFrame& frame) {
+  void add_observations(const RawlogObservations& entry) {
+    bool odometry_due = entry.is_frame && odometry_from_actions_;
     std::size_t unlabelled = 0;
-    bool first = true;
-    for (const mrpt::obs::CObservation::Ptr& observation : frame) {
-      if (!observation) continue;
-      const bool is_scan = dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(observation.get()) != nullptr;
-      if (is_scan && first && odometry_from_actions_) {
-        first = false;
-        add({stamp_from(observation->timestamp), kOdometryName, odometry_, forward_speed_, turn_rate_});
+    for (const auto& observation : entry.observations) {
+      if (const auto* odometry = std::get_if<RawlogOdometry>(&observation)) {
+        add_odometry(*odometry);
+        continue;
       }
-      add_observation(*observation, unlabelled);
-      if (is_scan && observation->sensorLabel.empty()) ++unlabelled;
+      const RawlogScan& scan = std::get<RawlogScan>(observation);
+      if (odometry_due) {
+        // The odometry of an action/observation rawlog has no stamp: it is that of the frame's first scan.
+        odometry_.stamp = scan.stamp;
+        add_odometry(odometry_);
+        odometry_due = false;
+      }
+      // Scans without a label are told apart by their order in the frame.
+      add_scan(scan, scan.label.empty() ? std::to_string(unlabelled++) : "label " + scan.label);
     }
   }
 
-  /// `unlabelled`: how many scans without a label came before in the same frame; they are told apart by their order.
-  void add_observation(const mrpt::obs::CObservation& observation, std::size_t unlabelled) {
-    if (const auto* scan = dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(&observation)) {
-      add_scan(*scan, scan->sensorLabel.empty() ? std::to_string(unlabelled) : "label " + scan->sensorLabel);
-    } else if (const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(&observation)) {
-      const double speed = odometry->hasVelocities ? odometry->velocityLocal.vx : 0.0;
-      const double rate = odometry->hasVelocities ? odometry->velocityLocal.omega : 0.0;
-      add({stamp_from(odometry->timestamp), kOdometryName, pose_from(odometry->odometry), speed, rate});
-    }
-  }
-
-  void add(WheelOdometry odometry) {
+  void add_odometry(const RawlogOdometry& odometry) {
     if (!accept_stamp(kOdometryName, odometry.stamp)) return;
     if (!odometry.pose.is_finite() || !std::isfinite(odometry.forward_speed) || !std::isfinite(odometry.turn_rate)) {
-      return reject(kOdometryName, odometry.stamp, "odometry that is not finite");
+      return reject(kOdometryName, *odometry.stamp, "odometry that is not finite");
     }
-    ready_.emplace_back(SensorMessage(std::move(odometry)));
+    ready_.emplace_back(SensorMessage(
+        WheelOdometry{*odometry.stamp, kOdometryName, odometry.pose, odometry.forward_speed, odometry.turn_rate}));
   }
 
-  void add_scan(const mrpt::obs::CObservation2DRangeScan& scan, const std::string& label) {
-    const auto [named, is_new] = names_.try_emplace(label, "laser" + std::to_string(names_.size()));
-    const std::string& name = named->second;
-    const Nanoseconds stamp = stamp_from(scan.timestamp);
-    if (!accept_stamp(name, stamp)) return;
-    const std::size_t beams = scan.getScanSize();
-    if (beams < 2 || beams > kMostReadings) {
-      return reject(
-          name, stamp,
-          "scan of " + std::to_string(beams) + " readings (allowed: 2 to " + std::to_string(kMostReadings) + ")");
-    }
-    const LaserCalibration geometry = calibration_from(scan);
-    constexpr double kFullTurn = 2.0 * std::numbers::pi * (1.0 + kGeometryTolerance);
-    if (!(geometry.angle_increment > 0.0 && -2.0 * geometry.angle_min <= kFullTurn && geometry.range_max > 0.0 &&
-          std::isfinite(geometry.range_max) && geometry.T_base_laser.is_finite())) {
-      return reject(name, stamp, "scan with an impossible aperture, maximum range or mounting");
-    }
-    const LaserCalibration& laser = lasers_.try_emplace(name, geometry).first->second;
-    if (!same_geometry(laser, geometry)) {
-      return reject(name, stamp,
+  void add_scan(const RawlogScan& scan, const std::string& label) {
+    const std::string& name = names_.try_emplace(label, "laser" + std::to_string(names_.size())).first->second;
+    if (!accept_stamp(name, scan.stamp)) return;
+    const std::string problem = geometry_problem(scan.geometry, scan.readings.size());
+    if (!problem.empty()) return reject(name, *scan.stamp, problem);
+    const LaserCalibration& laser = lasers_.try_emplace(name, scan.geometry).first->second;
+    if (!same_geometry(laser, scan.geometry)) {
+      return reject(name, *scan.stamp,
                     "scan with another number of readings, aperture, maximum range or mounting than the first");
     }
 
-    LaserScan message{stamp, name, {}};
-    message.ranges.reserve(beams);
-    for (std::size_t i = 0; i < beams; ++i) {
-      const std::size_t at = scan.rightToLeft ? i : beams - 1 - i;
-      const double reading = double{scan.getScanRange(at)};
-      const bool valid = scan.getScanRangeValidity(at);
-      if (valid && (!std::isfinite(reading) || reading < 0.0)) {
-        return reject(name, stamp, "valid range " + std::to_string(reading) + " (allowed: finite, 0 and above)");
+    LaserScan message{*scan.stamp, name, {}};
+    message.ranges.reserve(scan.readings.size());
+    for (std::size_t i = 0; i < scan.readings.size(); ++i) {
+      const double reading = scan.readings[i];
+      if (scan.valid[i] && (!std::isfinite(reading) || reading < 0.0)) {
+        return reject(name, *scan.stamp, "valid range " + std::to_string(reading) + " (allowed: finite, 0 and above)");
       }
       if (reading >= laser.range_max) {
         message.ranges.push_back(kBeyondRange);
       } else {
-        message.ranges.push_back(valid ? as_range(reading, laser) : kNoMeasurement);
+        message.ranges.push_back(scan.valid[i] ? as_range(reading, laser) : kNoMeasurement);
       }
     }
     ready_.emplace_back(SensorMessage(std::move(message)));
   }
 
   /// Stamps of one sensor rise; a message whose stamp does not is rejected here.
-  bool accept_stamp(const std::string& sensor, Nanoseconds stamp) {
+  bool accept_stamp(const std::string& sensor, std::optional<Nanoseconds> stamp) {
     const auto last = last_stamps_.find(sensor);
-    if (stamp < 0) {
+    if (!stamp) {
       reject(sensor, last == last_stamps_.end() ? last_stamp_ : last->second, "no usable stamp");
       return false;
     }
-    if (last != last_stamps_.end() && stamp <= last->second) {
+    if (last != last_stamps_.end() && *stamp <= last->second) {
       reject(sensor, last->second,
-             "stamp " + std::to_string(stamp) + (stamp == last->second ? " repeats" : " steps back") +
+             "stamp " + std::to_string(*stamp) + (*stamp == last->second ? " repeats" : " steps back") +
                  " (allowed: rising stamps)");
       return false;
     }
-    last_stamps_[sensor] = last_stamp_ = stamp;
+    last_stamps_[sensor] = last_stamp_ = *stamp;
     last_sensor_ = sensor;
     return true;
   }
@@ -304,7 +161,7 @@ class RawlogReader {
     ready_.emplace_back(RejectedMessage{stamp, sensor, file_ + ": entry " + std::to_string(entry_) + ": " + problem});
   }
 
-  SourceArchive archive_;
+  RawlogEntries entries_;
   std::string file_;
   bool odometry_from_actions_;
   bool saw_actions_ = false;
@@ -316,15 +173,13 @@ class RawlogReader {
   std::map<std::string, Nanoseconds> last_stamps_;
   Nanoseconds last_stamp_ = 0;
   std::string last_sensor_ = kOdometryName;
-  Pose2 odometry_;
-  double forward_speed_ = 0.0;
-  double turn_rate_ = 0.0;
+  RawlogOdometry odometry_;  ///< summed from the actions so far
 };
 
 Result<RawlogReader> open_reader(const std::filesystem::path& path, bool odometry_from_actions) {
-  Result<std::unique_ptr<ByteSource>> source = open_byte_source(path);
-  if (!source) return tl::unexpected(source.error());
-  return RawlogReader(std::move(*source), path.string(), odometry_from_actions);
+  Result<RawlogEntries> entries = RawlogEntries::open(path);
+  if (!entries) return tl::unexpected(entries.error());
+  return RawlogReader(std::move(*entries), path.string(), odometry_from_actions);
 }
 
 class RawlogRecording final : public Recording {
