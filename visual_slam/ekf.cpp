@@ -15,6 +15,10 @@ namespace {
 
 constexpr double kFirstPoseSigma = 1e-4;  // [m], [rad]: the map frame is the first pose, so it is known
 
+constexpr double kImpossible = 3.0;   // standard deviations an inverse depth may be below 0: cutting at 0 would keep
+                                      // only the landmarks that seem too near and so shrink the map
+constexpr double kBlindness = 100.0;  // times the noise of a bearing, along a parallax that must not count
+
 double square(double value) { return value * value; }
 
 common::Pose2 to_pose(const Eigen::Vector3d& v) { return {v.x(), v.y(), common::normalize_angle(v.z())}; }
@@ -31,7 +35,7 @@ Eigen::MatrixXd innovation_covariance(const State& state, std::span<const Linear
                                       const Eigen::MatrixXd& covariance_times_jacobian) {
   Eigen::MatrixXd s = state.jacobian_times(measurements, covariance_times_jacobian);
   for (int i = 0; i < static_cast<int>(measurements.size()); ++i) {
-    s.diagonal().segment<2>(2 * i).array() += square(measurements[static_cast<std::size_t>(i)].sigma);
+    s.block<2, 2>(2 * i, 2 * i) += measurements[static_cast<std::size_t>(i)].noise;
   }
   return s;
 }
@@ -47,9 +51,9 @@ Eigen::VectorXd stacked_residuals(std::span<const LinearMeasurement> measurement
 }  // namespace
 
 Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion) : options_(filter), motion_(motion) {
-  robot_ = state_.append(Eigen::Vector3d::Zero(), BlockFrame::kMap, {},
+  robot_ = state_.append(Eigen::Vector3d::Zero(), BlockKind::kPose, {},
                          square(kFirstPoseSigma) * Eigen::Matrix3d::Identity());
-  calibration_ = state_.append(Eigen::Vector3d::Zero(), BlockFrame::kLocal, {}, calibration_covariance(motion));
+  calibration_ = state_.append(Eigen::Vector3d::Zero(), BlockKind::kCalibration, {}, calibration_covariance(motion));
 }
 
 common::Pose2 Ekf::pose() const { return to_pose(state_.mean(robot_)); }
@@ -76,7 +80,7 @@ std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Meas
   if (!projection) return std::nullopt;
   LinearMeasurement linear;
   linear.residual = measurement.bearing.point - projection->point;
-  linear.sigma = measurement.bearing.sigma;
+  linear.noise = square(measurement.bearing.sigma) * Eigen::Matrix2d::Identity();
   linear.jacobian.push_back({robot_, projection->wrt_robot});
   if (landmark.anchored) linear.jacobian.push_back({landmark.anchor_pose, projection->wrt_anchor});
   linear.jacobian.push_back({landmark.block, projection->wrt_landmark});
@@ -100,6 +104,32 @@ std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId 
   return Prediction{projection->point, covariance};
 }
 
+bool Ekf::depth_is_known(const FilterLandmark& landmark) const {
+  if (!landmark.anchored) return true;
+  const double rho = state_.mean(landmark.block)[2];
+  return std::sqrt(state_.covariance(landmark.block, landmark.block)(2, 2)) < options_.known_depth * rho;
+}
+
+/// Makes the measurement blind along the direction in which the landmark moves with its inverse depth.
+void Ekf::ignore_parallax(LinearMeasurement& linear) const {
+  const Eigen::Vector2d by_depth = linear.jacobian.back().matrix.col(2);
+  if (by_depth.norm() * options_.inverse_depth_sigma < std::sqrt(linear.noise(0, 0))) return;
+  const Eigen::Vector2d along = by_depth.normalized();
+  linear.noise += square(kBlindness) * linear.noise(0, 0) * along * along.transpose();
+}
+
+void Ekf::learn_depth(const Camera& camera, const Measurement& measurement) {
+  const std::optional<LinearMeasurement> linear = linearise(camera, measurement);
+  if (!linear) return;
+  const Eigen::Vector2d by_depth = linear->jacobian.back().matrix.col(2);
+  if (by_depth.norm() * options_.inverse_depth_sigma < measurement.bearing.sigma) return;
+  const Eigen::Vector2d along = by_depth.normalized();
+  std::vector<JacobianPart<1>> jacobian;
+  for (const auto& part : linear->jacobian) jacobian.push_back({part.block, along.transpose() * part.matrix});
+  state_.correct_alone(landmarks_.at(measurement.landmark).block, along.dot(linear->residual), jacobian,
+                       square(measurement.bearing.sigma));
+}
+
 UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> measurements) {
   UpdateReport report;
   report.accepted.assign(measurements.size(), false);
@@ -119,13 +149,17 @@ UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> meas
   std::vector<std::size_t> accepted;
   for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);
 
+  std::vector<bool> depth_known(measurements.size());
+  for (const std::size_t i : accepted) depth_known[i] = depth_is_known(landmarks_.at(measurements[i].landmark));
   const Eigen::VectorXd prior = state_.mean();
   for (int iteration = 0; iteration < options_.iterations && !accepted.empty(); ++iteration) {
     linear.clear();
     std::erase_if(accepted, [&](std::size_t i) {
       std::optional<LinearMeasurement> one = linearise(camera, measurements[i]);
-      if (one) linear.push_back(std::move(*one));
-      return !one;
+      if (!one) return true;
+      if (!depth_known[i]) ignore_parallax(*one);
+      linear.push_back(std::move(*one));
+      return false;
     });
     const Eigen::MatrixXd gain_side = state_.covariance_times_jacobian(linear);
     const Eigen::LLT<Eigen::MatrixXd> llt(innovation_covariance(state_, linear, gain_side));
@@ -137,7 +171,10 @@ UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> meas
     }
     state_.correct(step);
   }
-  for (const std::size_t i : accepted) report.accepted[i] = true;
+  for (const std::size_t i : accepted) {
+    if (!depth_known[i]) learn_depth(camera, measurements[i]);
+    report.accepted[i] = true;
+  }
   report.inliers = static_cast<int>(accepted.size());
   return report;
 }
@@ -145,7 +182,7 @@ UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> meas
 PastPose& Ekf::past_pose_now(common::Nanoseconds stamp) {
   if (past_poses_.empty() || moved_ || past_poses_.back().stamp != stamp) {
     const JacobianPart<Eigen::Dynamic> copy[] = {{robot_, Eigen::Matrix3d::Identity()}};
-    const BlockId block = state_.append(state_.mean(robot_), BlockFrame::kMap, copy, Eigen::Matrix3d::Zero());
+    const BlockId block = state_.append(state_.mean(robot_), BlockKind::kPose, copy, Eigen::Matrix3d::Zero());
     past_poses_.push_back({.block = block, .stamp = stamp, .keyframe = false, .anchored = 0});
     moved_ = false;
   }
@@ -163,7 +200,7 @@ void Ekf::add_landmark(LandmarkId landmark, const Camera& camera, const Bearing&
   const Eigen::Vector3d numbers(bearing.point.x(), bearing.point.y(), options_.initial_inverse_depth);
   const Eigen::Matrix3d noise =
       Eigen::Vector3d(square(bearing.sigma), square(bearing.sigma), square(options_.inverse_depth_sigma)).asDiagonal();
-  const BlockId block = state_.append(numbers, BlockFrame::kLocal, {}, noise);
+  const BlockId block = state_.append(numbers, BlockKind::kInverseDepth, {}, noise);
   landmarks_.emplace(landmark, FilterLandmark{block, true, anchor.block, {&camera, bearing.row_shift}});
 }
 
@@ -173,19 +210,17 @@ std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const Landm
     FilterLandmark& landmark = landmarks_.at(id);
     if (!landmark.anchored) continue;
     const Eigen::Vector3d numbers = state_.mean(landmark.block);
-    if (numbers.z() <= 0.0) {
-      impossible.push_back(id);
-      continue;
-    }
+    const double sigma = std::sqrt(std::max(0.0, state_.covariance(landmark.block, landmark.block)(2, 2)));
+    if (numbers.z() < -kImpossible * sigma) impossible.push_back(id);
+    if (numbers.z() <= 0.0) continue;
     const common::Pose2 anchor_pose = to_pose(state_.mean(landmark.anchor_pose));
     const CartesianPoint point = to_cartesian(landmark.anchor, anchor_pose, numbers);
-    const double sigma = std::sqrt(std::max(0.0, state_.covariance(landmark.block, landmark.block)(2, 2)));
     const double index = linearity_index(optical_centre(*landmark.anchor.camera, anchor_pose),
                                          optical_centre(camera, pose()), point.position, numbers.z(), sigma);
     if (index > options_.linearity_index) continue;
     const JacobianPart<Eigen::Dynamic> parts[] = {{landmark.anchor_pose, point.wrt_anchor},
                                                   {landmark.block, point.wrt_landmark}};
-    state_.transform(landmark.block, point.position, BlockFrame::kMap, parts, Eigen::Matrix3d::Zero());
+    state_.transform(landmark.block, point.position, BlockKind::kPoint, parts, Eigen::Matrix3d::Zero());
     landmark.anchored = false;
     --past_pose_of(landmark.anchor_pose).anchored;
   }
@@ -240,7 +275,7 @@ std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen
     if (landmark.anchored) without_depth.push_back(id);
   }
   remove(without_depth);
-  state_.transform(robot_, new_pose.vector(), BlockFrame::kMap, {}, covariance);
+  state_.transform(robot_, new_pose.vector(), BlockKind::kPose, {}, covariance);
   moved_ = true;
   return without_depth;
 }

@@ -57,7 +57,7 @@ void predict_pose(State& state, BlockId robot, BlockId calibration, const common
   const common::ComposeJacobians compose = common::compose_jacobians(pose, step.increment);
   const JacobianPart<Eigen::Dynamic> parts[] = {{robot, compose.wrt_a},
                                                 {calibration, compose.wrt_b * step.wrt_calibration}};
-  state.transform(robot, (pose * step.increment).vector(), BlockFrame::kMap, parts,
+  state.transform(robot, (pose * step.increment).vector(), BlockKind::kPose, parts,
                   compose.wrt_b * step.noise * compose.wrt_b.transpose());
 }
 

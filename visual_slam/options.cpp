@@ -59,6 +59,8 @@ void FilterOptions::describe(OptionVisitor& visit) {
   visit.real("initial_inverse_depth", initial_inverse_depth, {0.001, 10.0}, "1/m",
              "Inverse depth a new landmark starts with (seed 002 section 2.3).");
   visit.real("inverse_depth_sigma", inverse_depth_sigma, {0.001, 10.0}, "1/m", "Its standard deviation.");
+  visit.real("known_depth", known_depth, {0.0, 10.0}, "",
+             "Relative uncertainty of the inverse depth above which parallax only teaches the landmark its depth.");
   visit.real("linearity_index", linearity_index, {0.0, 1.0}, "",
              "A landmark becomes Cartesian when its index of linearity falls below this.");
   visit.real("gate_probability", gate_probability, {0.5, 0.99999}, "",
@@ -77,7 +79,8 @@ void MapOptions::describe(OptionVisitor& visit) {
 
 void TrackingOptions::describe(OptionVisitor& visit) {
   visit.integer("min_inliers", min_inliers, {1, 100}, "", "Accepted features an image needs to count as tracked.");
-  visit.real("uncertain_after", uncertain_after, {0.0, 60.0}, "s", "UNCERTAIN after this long without such an image.");
+  visit.real("uncertain_after", uncertain_after, {0.0, 60.0}, "s",
+             "UNCERTAIN after this long without such an image; LOST when the images contradict the map.");
   visit.real("lost_after", lost_after, {0.1, 600.0}, "s", "LOST after this long without such an image.");
 }
 

@@ -13,7 +13,7 @@ struct MotionOptions {
   double turn_noise_per_distance = 0.6;  ///< [deg / sqrt(m)]
   double turn_noise_per_turn = 3.0;      ///< [deg / sqrt(360 deg)]
   bool calibrate = true;
-  double distance_scale_sigma = 0.01;
+  double distance_scale_sigma = 0.02;
   double turn_scale_sigma = 0.03;
   double turn_per_distance_sigma = 1.0;  ///< [deg / m]
 
@@ -58,6 +58,7 @@ struct FilterOptions {
   double pixel_sigma = 1.0;            ///< [px]
   double initial_inverse_depth = 0.4;  ///< [1/m]
   double inverse_depth_sigma = 0.4;    ///< [1/m]
+  double known_depth = 0.2;
   double linearity_index = 0.10;
   double gate_probability = 0.99;
   int iterations = 2;

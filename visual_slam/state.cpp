@@ -7,9 +7,11 @@
 namespace slamfuse::visual_slam {
 namespace {
 
-constexpr int kTile = 64;         // columns updated while they stay in the cache
-constexpr int kGrowth = 256;      // rows allocated at a time
-constexpr int kHeadingIndex = 2;  // of the robot, the first block
+constexpr int kTile = 64;     // columns updated while they stay in the cache
+constexpr int kGrowth = 256;  // rows allocated at a time
+constexpr BlockId kRobot = 0;
+constexpr BlockId kCalibration = 1;
+constexpr int kHeadingIndex = 2;  // in the robot's block
 
 }  // namespace
 
@@ -29,15 +31,15 @@ Eigen::MatrixXd State::combine_rows(std::span<const JacobianPart<Eigen::Dynamic>
   return combined;
 }
 
-BlockId State::append(const Eigen::VectorXd& mean, BlockFrame frame,
-                      std::span<const JacobianPart<Eigen::Dynamic>> parts, const Eigen::MatrixXd& noise) {
+BlockId State::append(const Eigen::VectorXd& mean, BlockKind kind, std::span<const JacobianPart<Eigen::Dynamic>> parts,
+                      const Eigen::MatrixXd& noise) {
   const int rows = static_cast<int>(mean.size());
   const int old_size = size_;
   const Eigen::MatrixXd cross = combine_rows(parts, rows);
   Eigen::MatrixXd self = noise;
   for (const auto& part : parts) self += part.matrix * cross.middleRows(offset(part.block), part.matrix.cols());
   reserve(old_size + rows);
-  blocks_.push_back({old_size, rows, frame});
+  blocks_.push_back({old_size, rows, kind});
   alive_.push_back(blocks_.size() - 1);
   size_ = old_size + rows;
   mean_.conservativeResize(size_);
@@ -48,7 +50,7 @@ BlockId State::append(const Eigen::VectorXd& mean, BlockFrame frame,
   return blocks_.size() - 1;
 }
 
-void State::transform(BlockId block, const Eigen::VectorXd& mean, BlockFrame frame,
+void State::transform(BlockId block, const Eigen::VectorXd& mean, BlockKind kind,
                       std::span<const JacobianPart<Eigen::Dynamic>> parts, const Eigen::MatrixXd& noise) {
   const int rows = static_cast<int>(mean.size());
   assert(rows == blocks_[block].size);
@@ -56,7 +58,7 @@ void State::transform(BlockId block, const Eigen::VectorXd& mean, BlockFrame fra
   Eigen::MatrixXd self = noise;
   for (const auto& part : parts) self += part.matrix * cross.middleRows(offset(part.block), part.matrix.cols());
   const int start = offset(block);
-  blocks_[block].frame = frame;
+  blocks_[block].kind = kind;
   mean_.segment(start, rows) = mean;
   covariance_.block(0, start, size_, rows) = cross;
   covariance_.block(start, 0, rows, size_) = cross.transpose();
@@ -111,19 +113,50 @@ Eigen::MatrixXd State::jacobian_times(std::span<const LinearMeasurement> measure
 
 void State::correct(const Eigen::VectorXd& delta) {
   mean_ += delta;
-  Eigen::VectorXd turned = Eigen::VectorXd::Zero(size_);
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(size_, 2);  // by an error of the heading, of the scale
   for (const BlockId id : alive_) {
     const Block& block = blocks_[id];
-    if (block.frame != BlockFrame::kMap) continue;
-    turned[block.offset] = -delta[block.offset + 1];
-    turned[block.offset + 1] = delta[block.offset];
+    const auto step = delta.segment(block.offset, block.size);
+    if (block.kind == BlockKind::kPose || block.kind == BlockKind::kPoint) {
+      moved.block<2, 1>(block.offset, 0) << -step[1], step[0];
+      moved.block<2, 1>(block.offset, 1) = step.head<2>();
+    }
+    if (block.kind == BlockKind::kPoint) moved(block.offset + 2, 1) = step[2];
+    if (block.kind == BlockKind::kInverseDepth) moved(block.offset + 2, 1) = -step[2];
   }
-  // (I + c e^T) P (I + c e^T)^T = P + c (w + s/2 c)^T + (w + s/2 c) c^T with w = P e and s = e^T P e.
-  const int heading = blocks_.front().offset + kHeadingIndex;
-  const Eigen::VectorXd w = covariance_.col(heading).head(size_) + 0.5 * covariance_(heading, heading) * turned;
+  const int heading = blocks_[kRobot].offset + kHeadingIndex;
+  const int scale = blocks_[kCalibration].offset;
+  const double old_scale = 1.0 + mean_[scale] - delta[scale];
+  moved.col(1) /= old_scale;
+  moved(scale, 1) = delta[scale] / old_scale;
+  add_dependence(heading, moved.col(0));
+  add_dependence(scale, moved.col(1));
+}
+
+/// P <- (I + c e^T) P (I + c e^T)^T for the unit vector e of one number: its error is added, times c, to the others.
+void State::add_dependence(int index, const Eigen::VectorXd& c) {
+  // = P + c (w + s/2 c)^T + (w + s/2 c) c^T with w = P e and s = e^T P e.
+  const Eigen::VectorXd w = covariance_.col(index).head(size_) + 0.5 * covariance_(index, index) * c;
   for (int column = 0; column < size_; ++column) {
-    covariance_.col(column).head(size_) += turned * w[column] + w * turned[column];
+    covariance_.col(column).head(size_) += c * w[column] + w * c[column];
   }
+}
+
+void State::correct_alone(BlockId block, double residual, std::span<const JacobianPart<1>> jacobian, double variance) {
+  Eigen::VectorXd cross = Eigen::VectorXd::Zero(size_);  // P h
+  for (const auto& part : jacobian) {
+    cross.noalias() += covariance_.block(0, offset(part.block), size_, part.matrix.cols()) * part.matrix.transpose();
+  }
+  double innovation = variance;
+  for (const auto& part : jacobian) {
+    innovation += part.matrix.row(0).dot(cross.segment(offset(part.block), part.matrix.cols()));
+  }
+  const int start = offset(block);
+  const int rows = blocks_[block].size;
+  const Eigen::VectorXd gain = cross.segment(start, rows) / innovation;
+  mean_.segment(start, rows) += gain * residual;
+  covariance_.block(0, start, size_, rows).noalias() -= cross * gain.transpose();
+  covariance_.block(start, 0, rows, size_) = covariance_.block(0, start, size_, rows).transpose();
 }
 
 void State::subtract_outer_product(const Eigen::MatrixXd& y) {

@@ -12,10 +12,12 @@ namespace slamfuse::visual_slam {
 /// Names a block of the state as long as it lives; never used again afterwards.
 using BlockId = std::size_t;
 
-/// How a block behaves when the whole map turns; see State::correct.
-enum class BlockFrame {
-  kMap,    ///< its first two numbers are a position in the map
-  kLocal,  ///< relative to another block or to nothing (inverse-depth parameters, calibration)
+/// What the numbers of a block mean, as far as it matters when the whole map turns or grows; see State::correct.
+enum class BlockKind {
+  kPose,          ///< x, y [m], theta in the map
+  kPoint,         ///< x, y, z [m] in the map
+  kInverseDepth,  ///< a ray relative to a pose and, third, an inverse depth [1/m]
+  kCalibration,   ///< first, the relative error of the odometry's scale of distance
 };
 
 /// The most columns a Jacobian part may have: the 13 numbers of a free camera (seed 002 section 2.2).
@@ -25,19 +27,20 @@ inline constexpr int kMaxBlockSize = 13;
 template <int Rows>
 struct JacobianPart {
   BlockId block = 0;
-  Eigen::Matrix<double, Rows, Eigen::Dynamic, 0, Rows, kMaxBlockSize> matrix;
+  Eigen::Matrix<double, Rows, Eigen::Dynamic, Rows == 1 ? Eigen::RowMajor : Eigen::ColMajor, Rows, kMaxBlockSize>
+      matrix;
 };
 
-/// A linearised measurement of two numbers: residual = z - h(x), rows of H by block, noise covariance sigma^2 I.
+/// A linearised measurement of two numbers: residual = z - h(x), rows of H by block, noise covariance R.
 struct LinearMeasurement {
   Eigen::Vector2d residual = Eigen::Vector2d::Zero();
   std::vector<JacobianPart<2>> jacobian;
-  double sigma = 1.0;
+  Eigen::Matrix2d noise = Eigen::Matrix2d::Identity();
 };
 
 /// Mean and dense covariance of everything the filter estimates, in blocks that come and go.
 ///
-/// The first block is the robot; its third number is the heading that turns with the map.
+/// The first block is the robot's pose, the second the calibration of its odometry.
 class State {
  public:
   int size() const { return size_; }
@@ -53,10 +56,10 @@ class State {
   }
 
   /// Adds a block whose error is sum_k J_k e_k + noise.
-  BlockId append(const Eigen::VectorXd& mean, BlockFrame frame, std::span<const JacobianPart<Eigen::Dynamic>> parts,
+  BlockId append(const Eigen::VectorXd& mean, BlockKind kind, std::span<const JacobianPart<Eigen::Dynamic>> parts,
                  const Eigen::MatrixXd& noise);
   /// Replaces a block by a function of blocks (maybe itself): its error becomes sum_k J_k e_k + noise.
-  void transform(BlockId block, const Eigen::VectorXd& mean, BlockFrame frame,
+  void transform(BlockId block, const Eigen::VectorXd& mean, BlockKind kind,
                  std::span<const JacobianPart<Eigen::Dynamic>> parts, const Eigen::MatrixXd& noise);
   void remove(std::span<const BlockId> blocks);
 
@@ -65,13 +68,19 @@ class State {
   /// H M (2m x columns of M) for the stacked H.
   Eigen::MatrixXd jacobian_times(std::span<const LinearMeasurement> measurements, const Eigen::MatrixXd& m) const;
 
-  /// Moves the mean by `delta` and turns the covariance along with it.
+  /// Moves the mean by `delta` and carries the covariance along.
   ///
-  /// A plain EKF gains false certainty about the heading of the whole map, because the direction that no measurement
-  /// sees (all positions turning about the origin) is evaluated at estimates that change. Moving the mean of a position
-  /// by d adds J d times the heading error to its error (J: quarter turn), which keeps that direction unseen exactly;
-  /// this is the right-invariant EKF written in ordinary coordinates (Barrau and Bonnabel 2015, not in the seeds).
+  /// No measurement sees the map turn about its origin, and without lever arms none sees it grow: along these
+  /// directions, (1, J p) and (1, p) for every position p (J: quarter turn), (1, -rho) for inverse depths, a filter
+  /// must stay as uncertain as it was. A plain EKF evaluates them at estimates that change and gains false certainty;
+  /// what is worse, the errors of depth and of innovation are correlated then and pull the scale down image by image.
+  /// Adding to the error of a position that moves by d what the heading's and the scale's error make of d, J d and d,
+  /// keeps both directions exactly. This is the right-invariant EKF in ordinary coordinates (Barrau and Bonnabel 2015,
+  /// not in the seeds), with the scale beside the heading.
   void correct(const Eigen::VectorXd& delta);
+  /// Corrects one block alone by one measured number, residual = h^T e + noise, and takes all other blocks as they are
+  /// (Schmidt's consider update): their uncertainty counts, but they learn nothing.
+  void correct_alone(BlockId block, double residual, std::span<const JacobianPart<1>> jacobian, double variance);
   /// P <- P - Y Y^T.
   void subtract_outer_product(const Eigen::MatrixXd& y);
 
@@ -79,11 +88,12 @@ class State {
   struct Block {
     int offset;
     int size;
-    BlockFrame frame;
+    BlockKind kind;
   };
 
   Eigen::MatrixXd combine_rows(std::span<const JacobianPart<Eigen::Dynamic>> parts, int rows) const;
   void reserve(int size);
+  void add_dependence(int index, const Eigen::VectorXd& c);
 
   std::vector<Block> blocks_;   // by id
   std::vector<BlockId> alive_;  // in the order of their offsets

@@ -2,17 +2,28 @@
 #include "visual_slam/tracking_monitor.hpp"
 
 namespace slamfuse::visual_slam {
+namespace {
 
-common::TrackingState TrackingMonitor::update(common::Nanoseconds stamp, int inliers) {
-  if (!started_ || inliers >= options_.min_inliers) {
-    confirmed_ = confirmed_ || inliers >= options_.min_inliers;
+constexpr int kClearMajority = 2;  // so many times the features of a good image must have been expected to miss them
+
+}  // namespace
+
+common::TrackingState TrackingMonitor::update(common::Nanoseconds stamp, const ImageEvidence& image) {
+  const bool good = image.inliers >= options_.min_inliers;
+  if (!started_ || good) {
     started_ = true;
     last_good_ = stamp;
   }
+  if (good) {
+    confirmed_ = true;
+    contradicted_ = false;
+  } else if (image.textured && image.expected >= kClearMajority * options_.min_inliers) {
+    contradicted_ = true;
+  }
   const double blind = common::to_seconds(stamp - last_good_);
-  if (blind > options_.lost_after) {
+  if (blind > (contradicted_ ? options_.uncertain_after : options_.lost_after)) {
     state_ = common::TrackingState::kLost;
-  } else if (blind > options_.uncertain_after || !confirmed_) {
+  } else if (blind > options_.uncertain_after || contradicted_ || !confirmed_) {
     state_ = common::TrackingState::kUncertain;
   } else {
     state_ = common::TrackingState::kTracking;
@@ -23,6 +34,7 @@ common::TrackingState TrackingMonitor::update(common::Nanoseconds stamp, int inl
 void TrackingMonitor::pose_was_set() {
   started_ = false;
   confirmed_ = false;
+  contradicted_ = false;
   state_ = common::TrackingState::kUncertain;
 }
 

@@ -7,14 +7,27 @@
 
 namespace slamfuse::visual_slam {
 
+/// What an image showed of the map.
+struct ImageEvidence {
+  int expected = 0;       ///< features of the previous image that should be in view
+  int inliers = 0;        ///< features accepted
+  bool textured = false;  ///< whether the image shows anything to follow at all
+};
+
 /// Says from the accepted features of the images whether the camera still knows where it is. An image with enough of
-/// them is good; without a good image for a while the estimate is the wheel odometry's alone, uncertain and then lost.
+/// them is good. Two kinds of bad images are told apart:
+///
+/// - The camera sees nothing (dark, white, blurred): the wheel odometry goes on, uncertain and after a while lost.
+/// - It sees something, but not what it should, as after the robot was carried away: the odometry is no longer believed
+///   either. The estimate is uncertain at once and soon lost, and the map must not grow, until the map is seen again.
 class TrackingMonitor {
  public:
   explicit TrackingMonitor(const TrackingOptions& options) : options_(options) {}
 
-  /// Takes the number of accepted features of the next image and says the state after it.
-  common::TrackingState update(common::Nanoseconds stamp, int inliers);
+  /// Takes what the next image showed and says the state after it.
+  common::TrackingState update(common::Nanoseconds stamp, const ImageEvidence& image);
+  /// Whether what is seen may be entered into the map at the estimated pose.
+  bool map_may_grow() const { return !contradicted_; }
   /// The pose came from outside: uncertain until the next good image.
   void pose_was_set();
   common::TrackingState state() const { return state_; }
@@ -23,6 +36,7 @@ class TrackingMonitor {
   TrackingOptions options_;
   bool started_ = false;
   bool confirmed_ = true;
+  bool contradicted_ = false;
   common::Nanoseconds last_good_ = 0;
   common::TrackingState state_ = common::TrackingState::kTracking;
 };

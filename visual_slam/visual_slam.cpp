@@ -137,25 +137,18 @@ class VisualSlam::Implementation {
     const cv::Mat picture(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels->data()));
     predict(image.stamp);
     seeing.newest = image.stamp;
-    std::vector<Track> seen = follow(seeing, picture);
-    const std::size_t followed = seen.size();
+    ImageEvidence evidence;
+    std::vector<Track> seen = follow(seeing, picture, evidence);
     recognise(seeing, picture, seen);
     const UpdateReport report = update(seeing, seen);
     std::vector<common::Event> events;
     account(seeing, seen, report, events);
     learn_looks(seeing, picture);
     keep_pose(image.stamp);
-    const common::TrackingState before = monitor_.state();
-    const common::TrackingState now = monitor_.update(image.stamp, report.inliers);
-    if (now == common::TrackingState::kLost && before != now) {
-      events.push_back(event("lost", fmt::format("{} features accepted of {} seen", report.inliers, seen.size())));
-    }
-    if (before == common::TrackingState::kLost && now == common::TrackingState::kTracking) {
-      events.push_back(event("relocalised", fmt::format("{} features accepted", report.inliers)));
-    }
-    add_features(seeing, picture);
+    evidence.inliers = report.inliers;
+    judge(seeing, evidence, events);
+    if (monitor_.map_may_grow()) add_features(seeing, picture);
     limit_map();
-    (void)followed;
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
   }
 
@@ -176,12 +169,14 @@ class VisualSlam::Implementation {
     return camera.calibration.project(prediction->point.homogeneous());
   }
 
-  std::vector<Track> follow(CameraTracks& seeing, const cv::Mat& picture) {
+  /// The features of the camera's previous picture that are found again in this one.
+  std::vector<Track> follow(CameraTracks& seeing, const cv::Mat& picture, ImageEvidence& evidence) {
     std::vector<ExpectedFeature> expected;
     for (const Track& track : seeing.tracks) {
       const std::optional<Eigen::Vector2d> pixel = predict_pixel(seeing.camera, track.landmark);
       if (pixel && seeing.camera.sees(*pixel, 0.0)) expected.push_back({track.landmark, track.pixel, *pixel});
     }
+    evidence.expected = static_cast<int>(expected.size());
     std::vector<Track> seen;
     for (const FoundFeature& found : front_end_->follow(index_of(seeing), picture, expected)) {
       seen.push_back({found.id, found.pixel});
@@ -209,7 +204,7 @@ class VisualSlam::Implementation {
     for (const RecognitionCandidate& one : candidates) {
       if (const std::optional<FoundFeature> found = recogniser_.find(picture, one)) {
         seen.push_back({found->id, found->pixel});
-      } else {
+      } else if (monitor_.map_may_grow()) {
         ++records_.at(one.id).failed;
       }
     }
@@ -294,6 +289,20 @@ class VisualSlam::Implementation {
       for (CameraTracks& camera : cameras_) {
         std::erase_if(camera.tracks, [id](const Track& track) { return track.landmark == id; });
       }
+    }
+  }
+
+  /// Whether the camera still knows where it is.
+  void judge(const CameraTracks& seeing, ImageEvidence evidence, std::vector<common::Event>& events) {
+    const int enough = options_.tracking.min_inliers;
+    evidence.textured = evidence.inliers >= enough ||
+                        static_cast<int>(front_end_->detect(index_of(seeing), {}, enough, cv::Mat()).size()) >= enough;
+    const common::TrackingState before = monitor_.state();
+    const common::TrackingState now = monitor_.update(*newest_, evidence);
+    const std::string figures = fmt::format("{} features accepted of {} expected", evidence.inliers, evidence.expected);
+    if (now == common::TrackingState::kLost && before != now) events.push_back(event("lost", figures));
+    if (before == common::TrackingState::kLost && now == common::TrackingState::kTracking) {
+      events.push_back(event("relocalised", figures));
     }
   }
 

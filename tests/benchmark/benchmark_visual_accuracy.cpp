@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ struct Run {
   common::Trajectory2 odometry;  // at the stamps of the images
   std::vector<double> milliseconds;
   std::vector<common::Event> events;
-  double mean_nees = 0.0;
+  double cpu_seconds = 0.0;
   std::size_t rejected = 0;
 };
 
@@ -87,9 +88,11 @@ int main(int argc, char** argv) {
     if (const auto* odometry = std::get_if<common::WheelOdometry>(message)) {
       run.odometry.push_back({odometry->stamp, odometry->pose});
     }
+    const std::clock_t cpu_start = std::clock();
     const auto start = std::chrono::steady_clock::now();
     const common::ProcessResult result = (*slam)->process(*message);
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    run.cpu_seconds += static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
     if (result.rejected) ++run.rejected;
     if (!result.estimate) continue;
     run.milliseconds.push_back(took.count());
@@ -106,9 +109,9 @@ int main(int argc, char** argv) {
   for (const double value : run.milliseconds) sum += value;
   const std::size_t count = run.milliseconds.size();
   if (count > 0) {
-    std::printf("%zu images, %zu rejected; ms an image: mean %.2f median %.2f p95 %.2f max %.2f; %zu landmarks\n",
+    std::printf("%zu images, %zu rejected; ms an image: mean %.2f median %.2f p95 %.2f max %.2f, of the processor %.2f; %zu landmarks\n",
                 count, run.rejected, sum / static_cast<double>(count), run.milliseconds[count / 2],
-                run.milliseconds[count * 95 / 100], run.milliseconds.back(), (*slam)->landmarks().size());
+                run.milliseconds[count * 95 / 100], run.milliseconds.back(), 1e3 * run.cpu_seconds / static_cast<double>(count), (*slam)->landmarks().size());
   }
   for (const common::Event& event : run.events) {
     std::printf("%.2f s %s: %s\n", common::to_seconds(event.stamp - (*recording)->info().first_stamp),
