@@ -143,6 +143,7 @@ std::optional<AlignedAngles> search_aligned_angles(const Points& laser, const Po
   constexpr std::size_t kCoarseBlocks = 8;
   constexpr std::size_t kFineBlocks = 64;
   constexpr std::size_t kCoarseStride = 6;
+  constexpr std::size_t kRunnerUpStride = 3;
   if (laser.empty() || laser.size() != visual.size()) return std::nullopt;
   const int quarter = static_cast<int>(std::lround(0.5 * std::numbers::pi / step));
   const std::vector<RotatedImage> laser_images = rotated_images(laser, size, step, quarter);
@@ -152,7 +153,7 @@ std::optional<AlignedAngles> search_aligned_angles(const Points& laser, const Po
   const BlockBound fine_bound(laser, laser_images, visual, visual_images, kFineBlocks);
 
   // The best of all pairs of angles that `admit` lets pass; of equal ones the first in the order of the loops.
-  const auto search = [&](const auto& admit) {
+  const auto search = [&](std::size_t finest_stride, const auto& admit) {
     Candidate best;
     const auto scan = [&](std::size_t stride) {
       for (std::size_t l = 0; l < laser_images.size(); l += stride) {
@@ -165,13 +166,13 @@ std::optional<AlignedAngles> search_aligned_angles(const Points& laser, const Po
       }
     };
     scan(kCoarseStride);  // for a good bound early
-    scan(1);
+    scan(finest_stride);
     return best;
   };
 
-  const Candidate best = search([](std::size_t, std::size_t) { return true; });
+  const Candidate best = search(1, [](std::size_t, std::size_t) { return true; });
   const double rotation = implied_rotation(laser_images[best.laser], visual_images[best.visual]);
-  const Candidate runner_up = search([&](std::size_t l, std::size_t v) {
+  const Candidate runner_up = search(kRunnerUpStride, [&](std::size_t l, std::size_t v) {
     const double other = implied_rotation(laser_images[l], visual_images[v]);
     return std::abs(common::angle_difference(other, rotation)) > separation;
   });

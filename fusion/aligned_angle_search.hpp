@@ -12,7 +12,7 @@ struct AlignedAngles {
   double laser = 0.0;           ///< alpha_L [rad] in [0, pi/2)
   double visual = 0.0;          ///< alpha_V [rad] in [0, 2 pi)
   double loss = 0.0;            ///< mean distance of the paired points at these angles [px]
-  double runner_up_loss = 0.0;  ///< the same at the best angles whose rotation is well separated [px]
+  double runner_up_loss = 0.0;  ///< the same at the best well-separated angles on a grid three times as coarse [px]
 };
 
 /// Algorithm 1 of seed 004: over both angles, rotate both images, rescale each to the size of the image, and take the

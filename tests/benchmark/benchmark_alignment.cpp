@@ -20,9 +20,9 @@ void align(benchmark::State& state, fusion::AlignmentMethod method) {
   for (auto _ : state) benchmark::DoNotOptimize(fusion::align_trajectories(laser, visual, options));
 }
 
-void fit_once(benchmark::State& state, bool seed004) {
+void fit_once(benchmark::State& state, bool seed004, double outliers) {
   const auto laser = fusion::flat_path(static_cast<std::size_t>(state.range(0)));
-  const auto visual = fusion::visual_path(laser, fusion::stretched_map(37.0, 2.0, 2.1, 1.0, 2.0), 0.01, 0.1, 1);
+  const auto visual = fusion::visual_path(laser, fusion::stretched_map(37.0, 2.0, 2.1, 1.0, 2.0), 0.01, outliers, 1);
   const auto pairs = fusion::pair_trajectories(laser, visual, {});
   for (auto _ : state) {
     if (seed004) {
@@ -50,8 +50,9 @@ BENCHMARK_CAPTURE(align, auto, fusion::AlignmentMethod::kAuto) -> Arg(10000) -> 
 BENCHMARK_CAPTURE(align, similarity, fusion::AlignmentMethod::kSimilarity)->Arg(10000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(align, affine, fusion::AlignmentMethod::kAffine)->Arg(10000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(align, seed004, fusion::AlignmentMethod::kSeed004)->Arg(10000)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(fit_once, similarity, false)->Arg(10000)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(fit_once, seed004, true)->Arg(10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fit_once, similarity, false, 0.1)->Arg(10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fit_once, seed004_clean, true, 0.0)->Arg(10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fit_once, seed004, true, 0.1)->Arg(10000)->Unit(benchmark::kMillisecond);
 BENCHMARK(corrected_pose)->Unit(benchmark::kMicrosecond);
 
 BENCHMARK_MAIN();
