@@ -174,10 +174,11 @@ Alignment evaluate_method(const std::vector<PosePair>& pairs, const std::vector<
   return alignment;
 }
 
-Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted,
+Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted, double straightness_ratio,
                    const AlignmentOptions& options) {
   if (options.method != AlignmentMethod::kAuto) return evaluate_method(pairs, trusted, options.method, options);
   Alignment similarity = evaluate_method(pairs, trusted, AlignmentMethod::kSimilarity, options);
+  if (straightness_ratio < options.affine_straightness_ratio) return similarity;
   Alignment affine = evaluate_method(pairs, trusted, AlignmentMethod::kAffine, options);
   return affine.heldout_rmse < options.affine_gain * similarity.heldout_rmse ? affine : similarity;
 }
@@ -196,6 +197,11 @@ std::string objection(const Alignment& alignment, const Spread& spread, const Al
         "the angle is ambiguous: another angle, at least {:.0f} deg away, fits almost as well (ratio of "
         "the losses {:.3f}, needed {:.3f})",
         options.runner_up_separation, alignment.runner_up_ratio, options.min_runner_up_ratio);
+  }
+  const double inlier_share = static_cast<double>(alignment.inliers) / static_cast<double>(alignment.pairs);
+  if (inlier_share < options.min_inlier_share) {
+    return fmt::format("only {} of {} pairs agree with a common map, needed is a share of {:.2f}", alignment.inliers,
+                       alignment.pairs, options.min_inlier_share);
   }
   const double largest_error = options.max_relative_error * std::hypot(spread.wide, spread.narrow);
   if (!(alignment.heldout_rmse <= largest_error)) {
@@ -252,8 +258,9 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
 
   const std::vector<bool> trusted = trusted_pairs(pairs, options);
   const Spread spread = spread_of(pairs, trusted);
-  Alignment best = evaluate(pairs, trusted, options);
-  best.straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
+  const double straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
+  Alignment best = evaluate(pairs, trusted, straightness_ratio, options);
+  best.straightness_ratio = straightness_ratio;
   const std::string against = objection(best, spread, options);
   if (!against.empty()) return refuse(best, against);
   best.accepted = true;
@@ -269,6 +276,12 @@ double typical_error(const common::Trajectory2& laser, const common::Trajectory2
     distances.push_back((pair.laser.translation() - alignment.map * pair.visual.translation()).norm());
   }
   return distances.empty() ? std::numeric_limits<double>::infinity() : median(std::move(distances));
+}
+
+Eigen::Matrix2d Alignment::position_covariance(const Eigen::Vector2d& visual) const {
+  Eigen::Matrix<double, 2, 6> jacobian;  // of map * visual by the six numbers of the map
+  jacobian << visual.transpose(), 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, visual.transpose(), 0.0, 1.0;
+  return jacobian * covariance * jacobian.transpose();
 }
 
 common::Trajectory2 to_laser_frame(const common::Trajectory2& visual, const Alignment& alignment) {

@@ -42,6 +42,8 @@ struct Alignment {
   bool essential_applied = false;   ///< seed004: whether T_ess is more than the identity
   std::string essential_report;     ///< seed004: why
 
+  /// Covariance of `map * visual` that comes from the map's own uncertainty; it grows away from the pairs.
+  Eigen::Matrix2d position_covariance(const Eigen::Vector2d& visual) const;
   /// A pose of the visual map frame in the laser map frame.
   common::Pose2 to_laser(const common::Pose2& visual) const;
   /// A pose of the laser map frame in the visual map frame.

@@ -12,7 +12,7 @@
 namespace slamfuse::fusion {
 
 struct AlignmentScheduleOptions {
-  double first_path = 3.0;
+  double first_path = 5.0;
   double growth = 1.25;
 
   void describe(common::OptionVisitor& visit) {

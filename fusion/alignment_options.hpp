@@ -25,12 +25,14 @@ std::string to_string(AlignmentMethod method);
 struct AlignmentOptions {
   AlignmentMethod method = AlignmentMethod::kAuto;
   double affine_gain = 0.9;
+  double affine_straightness_ratio = 0.2;
   int min_pairs = 20;
   double min_path = 1.0;
   double min_straightness_ratio = 0.05;
-  double min_runner_up_ratio = 1.3;
+  double min_runner_up_ratio = 1.5;
   double runner_up_separation = 20.0;
   double max_relative_error = 0.2;
+  double min_inlier_share = 0.5;
   int heldout_block = 10;
   PairingOptions pairing;
   RobustFitOptions robust;
@@ -58,6 +60,8 @@ struct AlignmentOptions {
                "How far another angle must be from the best one to count as the runner-up.");
     visit.real("max_relative_error", max_relative_error, {0.001, 1.0}, "",
                "Held-out error over the standard deviation of the laser's positions above which the fit is refused.");
+    visit.real("min_inlier_share", min_inlier_share, {0.0, 1.0}, "",
+               "Share of pairs that must agree with a common map.");
     visit.integer("heldout_block", heldout_block, {1, 10000}, "pairs",
                   "Every fourth block of this many neighbouring pairs is held out of a fit to test it.");
     visit.nested("pairing", pairing, "Pairing of the poses by time.");

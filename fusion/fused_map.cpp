@@ -40,12 +40,10 @@ std::vector<common::Landmark> to_laser_frame(const std::vector<common::Landmark>
   std::vector<common::Landmark> moved = landmarks;
   for (common::Landmark& landmark : moved) {
     const Eigen::Vector2d ground = landmark.position.head<2>();
-    Eigen::Matrix<double, 2, 6> by_alignment;  // derivative of the position by the six numbers of the map
-    by_alignment << ground.transpose(), 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, ground.transpose(), 0.0, 1.0;
     landmark.position.head<2>() = alignment.map * ground;
     landmark.position.z() *= alignment.mean_scale;
     landmark.covariance = linear * landmark.covariance * linear.transpose();
-    landmark.covariance.topLeftCorner<2, 2>() += by_alignment * alignment.covariance * by_alignment.transpose();
+    landmark.covariance.topLeftCorner<2, 2>() += alignment.position_covariance(ground);
   }
   return moved;
 }

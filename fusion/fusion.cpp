@@ -217,7 +217,8 @@ void Fusion::State::command_lost_halves(FusionOutput& output) {
   if (map_frame != PoseSource::kLaser || !keeper.accepted() || !filter.started()) return;
   for (const PoseSource target : {PoseSource::kLaser, PoseSource::kVisual}) {
     const SourceMonitor& monitor = monitors.at(target);
-    const bool in_need = monitor.heard() && (monitor.own_state() == TrackingState::kLost || monitor.overruled());
+    const bool contradicted = monitor.overruled_for(now) >= options.supervision.contradiction_time;
+    const bool in_need = monitor.heard() && (monitor.own_state() == TrackingState::kLost || contradicted);
     if (!in_need || !monitors.at(other_half(target)).healthy(now)) continue;
     const auto last = last_command.find(target);
     if (last != last_command.end() && common::to_seconds(now - last->second) < options.supervision.command_interval) {

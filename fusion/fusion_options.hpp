@@ -16,6 +16,7 @@ struct SupervisionOptions {
   double lost_position_sigma = 0.5;
   double lost_heading_sigma = 0.35;
   double visual_only_after = 1.0;
+  double contradiction_time = 5.0;
   double command_interval = 5.0;
   double status_interval = 1.0;
 
@@ -26,6 +27,8 @@ struct SupervisionOptions {
                "With no half left, the fused pose is LOST when its heading is less certain than this.");
     visit.real("visual_only_after", visual_only_after, {0.0, 60.0}, "s",
                "Without a laser for this long the visual map frame becomes the map frame.");
+    visit.real("contradiction_time", contradiction_time, {0.1, 600.0}, "s",
+               "A half that still claims to track is told its pose after the other half has overruled it this long.");
     visit.real("command_interval", command_interval, {0.1, 600.0}, "s", "A half is told its pose at most this often.");
     visit.real("status_interval", status_interval, {0.05, 60.0}, "s", "Status rows are written at least this often.");
   }

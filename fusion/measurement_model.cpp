@@ -19,9 +19,12 @@ Eigen::Matrix3d moved_covariance(const Eigen::Matrix3d& covariance, const Eigen:
   return jacobian * covariance * jacobian.transpose();
 }
 
-/// What pairs unseen by the alignment were off by; half of a squared distance for each axis.
-Eigen::Matrix3d alignment_error(const Alignment& alignment) {
-  return variances(alignment.heldout_rmse / std::sqrt(2.0), alignment.heading_rmse);
+/// What pairs unseen by the alignment were off by (half of a squared distance for each axis), and how uncertain the map
+/// itself is at a place.
+Eigen::Matrix3d alignment_error(const Alignment& alignment, const Eigen::Vector2d& visual) {
+  Eigen::Matrix3d error = variances(alignment.heldout_rmse / std::sqrt(2.0), alignment.heading_rmse);
+  error.topLeftCorner<2, 2>() += alignment.position_covariance(visual);
+  return error;
 }
 
 }  // namespace
@@ -52,13 +55,14 @@ UncertainPose measurement_of(const common::PoseEstimate& estimate, const Measure
 }
 
 UncertainPose to_laser(const UncertainPose& visual, const Alignment& alignment) {
-  return {alignment.to_laser(visual.pose),
-          moved_covariance(visual.covariance, alignment.map.linear) + alignment_error(alignment)};
+  return {alignment.to_laser(visual.pose), moved_covariance(visual.covariance, alignment.map.linear) +
+                                               alignment_error(alignment, visual.pose.translation())};
 }
 
 UncertainPose to_visual(const UncertainPose& laser, const Alignment& alignment) {
-  return {alignment.to_visual(laser.pose),
-          moved_covariance(laser.covariance + alignment_error(alignment), alignment.map.linear.inverse())};
+  const common::Pose2 visual = alignment.to_visual(laser.pose);
+  return {visual, moved_covariance(laser.covariance + alignment_error(alignment, visual.translation()),
+                                   alignment.map.linear.inverse())};
 }
 
 }  // namespace slamfuse::fusion

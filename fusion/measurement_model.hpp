@@ -36,7 +36,8 @@ std::optional<std::string> flaw_of(const common::PoseEstimate& estimate);
 UncertainPose measurement_of(const common::PoseEstimate& estimate, const MeasurementOptions& options);
 
 /// A visual measurement brought into the laser map frame: G_LV moves pose and covariance, and what pairs that G_LV had
-/// not seen were off by is added (the bend of the visual map, which G_LV cannot follow).
+/// not seen were off by is added (the bend of the visual map, which G_LV cannot follow), and G_LV's own uncertainty at
+/// that place.
 UncertainPose to_laser(const UncertainPose& visual, const Alignment& alignment);
 
 /// A pose in the laser map frame brought into the visual map frame, for setting the visual half's pose.

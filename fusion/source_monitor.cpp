@@ -18,6 +18,10 @@ bool SourceMonitor::healthy(common::Nanoseconds now) const {
          common::to_seconds(now - stamp_) < options_.silent_after;
 }
 
+double SourceMonitor::overruled_for(common::Nanoseconds now) const {
+  return overruled_since_ ? common::to_seconds(now - *overruled_since_) : 0.0;
+}
+
 void SourceMonitor::estimated(const common::PoseEstimate& estimate) {
   heard_ = true;
   stamp_ = estimate.stamp;
@@ -27,7 +31,8 @@ void SourceMonitor::estimated(const common::PoseEstimate& estimate) {
 void SourceMonitor::measured(const MeasurementReport& report) {
   const bool used = report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled;
   gated_in_a_row_ = used ? 0 : gated_in_a_row_ + 1;
-  overruled_ = report.outcome == MeasurementOutcome::kOverruled || (overruled_ && !used);
+  if (used) overruled_since_.reset();
+  if (report.outcome == MeasurementOutcome::kOverruled && !overruled_since_) overruled_since_ = stamp_;
   squared_distance_ = report.squared_distance;
 }
 
@@ -47,7 +52,7 @@ StatusEntry SourceMonitor::status(common::Nanoseconds now) const {
     entry.score /= 1.0 + gated_in_a_row_;
     entry.reasons.push_back(fmt::format("its last {} poses contradict the fused pose (squared distance {:.1f})",
                                         gated_in_a_row_, squared_distance_));
-    if (overruled_) entry.reasons.emplace_back("the other half confirms the fused pose");
+    if (overruled()) entry.reasons.emplace_back("the other half confirms the fused pose");
   }
   if (silence > options_.silent_after) {
     entry.score *= std::clamp((options_.lost_after - silence) / options_.lost_after, 0.0, 0.5);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,9 @@ class SourceMonitor {
   bool heard() const { return heard_; }
   common::Nanoseconds last_stamp() const { return stamp_; }
   /// Whether it keeps telling another place than the fused pose although the other half confirms that one.
-  bool overruled() const { return overruled_; }
+  bool overruled() const { return overruled_since_.has_value(); }
+  /// For how long [s] it has been overruled.
+  double overruled_for(common::Nanoseconds now) const;
   /// Its own word at its last estimate.
   common::TrackingState own_state() const { return own_state_; }
   /// Whether its last pose was used and it still speaks.
@@ -50,7 +53,7 @@ class SourceMonitor {
   common::Nanoseconds stamp_ = 0;
   common::TrackingState own_state_ = common::TrackingState::kTracking;
   int gated_in_a_row_ = 0;
-  bool overruled_ = false;
+  std::optional<common::Nanoseconds> overruled_since_;
   double squared_distance_ = 0.0;
 };
 
