@@ -29,7 +29,7 @@ table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums
 th,td{padding:.25rem .7rem .25rem 0;text-align:left;vertical-align:top;border-bottom:1px solid var(--rule)}
 th{font-weight:600;color:var(--soft)}
 .figures th:not(:first-child),.figures td:not(:first-child){text-align:right}
-.words td:last-child{min-width:11rem}
+.words td:last-child{min-width:11rem}.words th,.words td:first-child{white-space:nowrap}
 )css";
 
 std::string fact(const std::string& name, const std::string& value) {
