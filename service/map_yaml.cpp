@@ -9,7 +9,9 @@
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
+
 #include <Eigen/Core>
+#include "service/checksum.hpp"
 
 namespace slamfuse::service {
 namespace {
@@ -109,7 +111,18 @@ MapBundleSummary summary_of(const YAML::Node& root) {
   return summary;
 }
 
+/// Whether the last line is the checksum of everything before it.
+bool is_sealed(const std::string& text) {
+  const std::size_t last_line = text.rfind("crc32: ");
+  return last_line != std::string::npos && sealed(text.substr(0, last_line)) == text;
+}
+
 }  // namespace
+
+std::string sealed(std::string yaml) {
+  const std::uint32_t crc32 = crc32_of(yaml);
+  return std::move(yaml) + fmt::format("crc32: \"{:08x}\"\n", crc32);
+}
 
 std::string map_yaml_of(const MapBundle& bundle, const std::vector<MapBundleFile>& files) {
   std::string yaml = fmt::format(
@@ -123,7 +136,7 @@ std::string map_yaml_of(const MapBundle& bundle, const std::vector<MapBundleFile
   for (const auto& file : files) {
     yaml += fmt::format("  - {{name: {}, bytes: {}, crc32: \"{:08x}\"}}\n", file.name, file.bytes, file.crc32);
   }
-  return yaml;
+  return sealed(std::move(yaml));
 }
 
 common::Result<MapBundleSummary> parse_map_yaml(const std::string& text) {
@@ -137,6 +150,7 @@ common::Result<MapBundleSummary> parse_map_yaml(const std::string& text) {
     if (version != kFormatVersion) {
       return refused(fmt::format("format version {}, this program reads {}", version, kFormatVersion));
     }
+    if (!is_sealed(text)) return refused("the checksum in the last line does not match: the file was cut or altered");
     summary = summary_of(root);
   } catch (const std::exception& exception) {
     return refused(exception.what());

@@ -17,12 +17,16 @@ inline constexpr const char* kLaserState = "laser_state.bin";
 inline constexpr const char* kLandmarks = "landmarks.bin";
 inline constexpr const char* kLandmarksPly = "landmarks.ply";
 
-/// The text of map.yaml for a bundle whose other files are `files`. Maps and links between them are lists, so that a
-/// later version can hold several submaps of each kind.
+/// The text with a last line `crc32: "..."` that covers everything before it.
+std::string sealed(std::string yaml);
+
+/// The text of map.yaml, sealed, for a bundle whose other files are `files`. Maps and links between them are lists, so
+/// that a later version can hold several submaps of each kind.
 std::string map_yaml_of(const MapBundle& bundle, const std::vector<MapBundleFile>& files);
 
 /// Reads what read_map_bundle() needs of it. Errors (kInvalidInput): broken YAML, another format, a newer version, a
-/// missing or impossible value, a file name that leaves the folder, a file too large.
+/// broken seal (the text was cut or altered), a missing or impossible value, a file name that leaves the folder, a file
+/// too large.
 common::Result<MapBundleSummary> parse_map_yaml(const std::string& text);
 
 }  // namespace slamfuse::service

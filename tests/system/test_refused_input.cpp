@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 
 #include "system/program.hpp"
 #include "system/scratch.hpp"
@@ -14,7 +15,6 @@ namespace slamfuse::system {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -133,6 +133,19 @@ TEST(RefusedInput, DiskFullKeepsTheOlderResults) {
   EXPECT_EQ(run_program(Launch{arguments, 30'000, {}}).exit_status, kFailed);
   EXPECT_EQ(names_in(scratch / "out"), names);
   EXPECT_EQ(read_text(scratch / "out/map/map.yaml"), map);
+}
+
+TEST(RefusedInput, DiskThatIsReallyFull) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "disk");
+  const std::string disk = (scratch / "disk").string();
+  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=200k") != 0) GTEST_SKIP() << "mounting needs root";
+  const Outcome outcome = run_program({"run", flat().string(), "-o", disk + "/out", "--to", "4"});
+  const auto left = names_in(disk);
+  ::umount(disk.c_str());
+  EXPECT_EQ(outcome.exit_status, kFailed);
+  EXPECT_THAT(outcome.err, HasSubstr("No space left on device"));
+  EXPECT_THAT(left, IsEmpty());
 }
 
 TEST(RefusedInput, DamagedMap) {
