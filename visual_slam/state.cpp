@@ -157,6 +157,14 @@ void State::correct_alone(BlockId block, double residual, std::span<const Jacobi
   mean_.segment(start, rows) += gain * residual;
   covariance_.block(0, start, size_, rows).noalias() -= cross * gain.transpose();
   covariance_.block(start, 0, rows, size_) = covariance_.block(0, start, size_, rows).transpose();
+  if (blocks_[block].kind == BlockKind::kInverseDepth) {
+    // As in correct(), with only one number that moved.
+    const int depth = start + 2;
+    const int scale = blocks_[kCalibration].offset;
+    const double moved = -gain[2] * residual / (1.0 + mean_[scale]);
+    covariance_.col(depth).head(size_) += moved * covariance_.col(scale).head(size_);
+    covariance_.row(depth).head(size_) += moved * covariance_.row(scale).head(size_);
+  }
 }
 
 void State::subtract_outer_product(const Eigen::MatrixXd& y) {

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "visual_slam/visual_slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/recording.hpp"
+
+namespace slamfuse::visual_slam {
+namespace {
+
+using common::PoseEstimate;
+using common::TrackingState;
+
+/// The first seconds of the demo recording, and modules to run them through.
+class VisualSlamTest : public ::testing::Test {
+ protected:
+  static constexpr double kSeconds = 6.0;
+
+  static void SetUpTestSuite() {
+    auto recording = common::open_recording(std::filesystem::path(SLAMFUSE_DATA_DIR) / "flat");
+    ASSERT_TRUE(recording) << recording.error().message;
+    cameras_ = new std::map<std::string, common::CameraCalibration>((*recording)->info().calibration.cameras);
+    messages_ = new std::vector<common::SensorMessage>();
+    const common::Nanoseconds end = (*recording)->info().first_stamp + common::from_seconds(kSeconds);
+    while (true) {
+      auto item = (*recording)->next();
+      ASSERT_TRUE(item) << item.error().message;
+      if (!*item) break;
+      const auto* message = std::get_if<common::SensorMessage>(&**item);
+      if (message == nullptr) continue;
+      if (common::stamp_of(*message) > end) break;
+      if (!std::holds_alternative<common::LaserScan>(*message)) messages_->push_back(*message);
+    }
+  }
+
+  static void TearDownTestSuite() {
+    delete cameras_;
+    delete messages_;
+  }
+
+  static std::unique_ptr<VisualSlam> make(int threads = 1) {
+    auto slam = VisualSlam::create({}, *cameras_, 1, threads);
+    EXPECT_TRUE(slam);
+    return std::move(*slam);
+  }
+
+  /// The message, with the pixels of an image replaced by `gray`.
+  static common::SensorMessage painted(common::SensorMessage message, std::uint8_t gray) {
+    if (auto* image = std::get_if<common::Image>(&message)) {
+      image->pixels = std::make_shared<const std::vector<std::uint8_t>>(image->pixels->size(), gray);
+    }
+    return message;
+  }
+
+  static std::vector<PoseEstimate> run(VisualSlam& slam, std::span<const common::SensorMessage> messages) {
+    std::vector<PoseEstimate> estimates;
+    for (const common::SensorMessage& message : messages) {
+      const common::ProcessResult result = slam.process(message);
+      EXPECT_FALSE(result.rejected) << *result.rejected;
+      if (result.estimate) estimates.push_back(*result.estimate);
+    }
+    return estimates;
+  }
+
+  static std::map<std::string, common::CameraCalibration>* cameras_;
+  static std::vector<common::SensorMessage>* messages_;
+};
+
+std::map<std::string, common::CameraCalibration>* VisualSlamTest::cameras_ = nullptr;
+std::vector<common::SensorMessage>* VisualSlamTest::messages_ = nullptr;
+
+bool same(const PoseEstimate& a, const PoseEstimate& b) {
+  return a.stamp == b.stamp && a.pose.vector() == b.pose.vector() && a.covariance == b.covariance &&
+         a.state == b.state && a.health.inliers == b.health.inliers;
+}
+
+TEST_F(VisualSlamTest, EveryImageMakesAnEstimateAtItsOwnStamp) {
+  const auto slam = make();
+
+  const std::vector<PoseEstimate> estimates = run(*slam, *messages_);
+
+  std::size_t images = 0;
+  for (const auto& message : *messages_) images += std::holds_alternative<common::Image>(message) ? 1 : 0;
+  ASSERT_EQ(estimates.size(), images);
+  EXPECT_EQ(estimates.back().state, TrackingState::kTracking);
+  EXPECT_GT(estimates.back().health.inliers.value(), 15);
+  EXPECT_EQ(slam->final_trajectory().size(), estimates.size());
+  EXPECT_EQ(slam->final_trajectory().back().stamp, estimates.back().stamp);
+  EXPECT_GT(slam->landmarks().size(), 20U);
+  EXPECT_EQ(slam->landmarks().front().descriptor.size() % 32, 0U);
+}
+
+TEST_F(VisualSlamTest, RepeatingARunAndChangingTheThreadsChangesNothing) {
+  const auto first = make(1), second = make(2);
+
+  const std::vector<PoseEstimate> a = run(*first, *messages_);
+  const std::vector<PoseEstimate> b = run(*second, *messages_);
+
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(same(a[i], b[i])) << i;
+}
+
+TEST_F(VisualSlamTest, BlackAndWhiteImagesAreSurvivedWithoutFalseConfidence) {
+  for (const std::uint8_t gray : {0, 255}) {
+    const auto slam = make();
+    std::vector<common::SensorMessage> messages(messages_->begin(), messages_->begin() + messages_->size() / 3);
+    for (std::size_t i = messages.size(); i < messages_->size(); ++i)
+      messages.push_back(painted((*messages_)[i], gray));
+
+    const std::vector<PoseEstimate> estimates = run(*slam, messages);
+
+    EXPECT_EQ(estimates[estimates.size() / 4].state, TrackingState::kTracking);
+    EXPECT_EQ(estimates.back().state, TrackingState::kLost);
+    EXPECT_GT(estimates.back().covariance.trace(), 2.0 * estimates[estimates.size() / 3].covariance.trace());
+  }
+}
+
+TEST_F(VisualSlamTest, AFrozenPictureWhileDrivingIsNotBelieved) {
+  const auto slam = make();
+  const std::size_t freeze = messages_->size() / 2;
+  std::map<std::string, common::Image> frozen;
+  std::vector<common::SensorMessage> messages;
+  for (std::size_t i = 0; i < messages_->size(); ++i) {
+    messages.push_back((*messages_)[i]);
+    auto* image = std::get_if<common::Image>(&messages.back());
+    if (image == nullptr) continue;
+    if (i < freeze) frozen[image->sensor] = *image;
+    image->pixels = frozen[image->sensor].pixels;
+  }
+
+  const std::vector<PoseEstimate> estimates = run(*slam, messages);
+
+  EXPECT_NE(estimates.back().state, TrackingState::kTracking);
+}
+
+TEST_F(VisualSlamTest, UnusableImagesAreRejectedWithTheReason) {
+  const auto slam = make();
+  const auto is_image = [](const auto& message) { return std::holds_alternative<common::Image>(message); };
+  const auto image = std::get<common::Image>(*std::find_if(messages_->begin(), messages_->end(), is_image));
+
+  const common::ProcessResult too_early = slam->process(image);
+  run(*slam, std::span(*messages_).first(20));
+  common::Image small = image;
+  small.width /= 2;
+  common::Image stranger = image;
+  stranger.sensor = "cam9";
+
+  ASSERT_TRUE(too_early.rejected);
+  EXPECT_NE(too_early.rejected->find("wheel odometry"), std::string::npos);
+  EXPECT_NE(slam->process(image).rejected.value().find("not after"), std::string::npos);
+  EXPECT_NE(slam->process(small).rejected.value().find("320"), std::string::npos);
+  EXPECT_NE(slam->process(stranger).rejected.value().find("cam9"), std::string::npos);
+  EXPECT_FALSE(slam->wants(stranger));
+}
+
+TEST_F(VisualSlamTest, SetPoseMovesTheEstimateAndResetStartsANewEpoch) {
+  const auto slam = make();
+  const std::size_t half = messages_->size() / 2;
+  const std::vector<PoseEstimate> before = run(*slam, std::span(*messages_).first(half));
+
+  slam->execute(common::SetPose{{5.0, -3.0, 1.0}, 0.01 * Eigen::Matrix3d::Identity()});
+  const std::vector<PoseEstimate> moved = run(*slam, std::span(*messages_).subspan(half, 10));
+  slam->execute(common::Reset{});
+  const std::vector<PoseEstimate> fresh = run(*slam, std::span(*messages_).subspan(half + 10));
+
+  EXPECT_NEAR(moved.front().pose.x, 5.0, 0.3);
+  EXPECT_EQ(moved.front().map_epoch, 0U);
+  ASSERT_FALSE(fresh.empty());
+  EXPECT_EQ(fresh.front().map_epoch, 1U);
+  ASSERT_FALSE(fresh.front().events.empty());
+  EXPECT_EQ(fresh.front().events.front().kind, "map_reset");
+  EXPECT_LT(fresh.front().pose.translation().norm(), 0.2);
+  EXPECT_EQ(slam->final_trajectory().size(), before.size() + moved.size() + fresh.size());
+}
+
+TEST_F(VisualSlamTest, TheMapStaysWithinItsLimit) {
+  VisualSlamOptions options;
+  options.map.max_landmarks = 60;
+  auto slam = VisualSlam::create(options, *cameras_, 1, 1);
+  ASSERT_TRUE(slam);
+
+  run(**slam, *messages_);
+
+  EXPECT_LE((*slam)->landmarks().size(), 120U);  // those in view are never dropped: 60 an image, two cameras
+}
+
+TEST(VisualSlamCreate, RefusesToStartWithoutUsableCameras) {
+  EXPECT_FALSE(VisualSlam::create({}, {}, 1, 1));
+  const auto no_size = VisualSlam::create({}, {{"cam0", {}}}, 1, 1);
+  ASSERT_FALSE(no_size);
+  EXPECT_NE(no_size.error().message.find("cam0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slamfuse::visual_slam
