@@ -27,6 +27,10 @@ constexpr Nanoseconds kTwistInterval = 50'000'000;                              
 constexpr Nanoseconds kLoopEventInterval = 10 * common::kNanosecondsPerSecond;  // one event a visit, not one an image
 constexpr double kRefillShare = 0.15;  // new features are looked for when so many of the wanted are missing
 
+// A picture cannot stay the same to the last bit when the robot moves this far.
+constexpr double kClearMove = 0.01;  // [m]
+constexpr double kClearTurn = 0.01;  // [rad]
+
 /// What is known of a landmark besides its place.
 struct LandmarkRecord {
   int found = 0;
@@ -47,6 +51,8 @@ struct CameraTracks {
   Camera camera;
   std::vector<Track> tracks;
   std::optional<Nanoseconds> newest;
+  std::shared_ptr<const std::vector<std::uint8_t>> pixels;  // of the newest image that differed from the one before
+  Pose2 odometry_pose;                                      // at that image
 };
 
 std::uint8_t gray_at(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
@@ -63,7 +69,7 @@ class VisualSlam::Implementation {
         recogniser_(options.recognition),
         monitor_(options.tracking),
         filter_(options.filter, options.motion) {
-    for (const auto& [name, calibration] : cameras) cameras_.push_back({Camera(name, calibration), {}, {}});
+    for (const auto& [name, calibration] : cameras) cameras_.push_back({Camera(name, calibration), {}, {}, {}, {}});
   }
 
   bool wants(const common::SensorMessage& message) const {
@@ -80,6 +86,9 @@ class VisualSlam::Implementation {
   void execute(const common::Command& command) {
     if (const auto* set = std::get_if<common::SetPose>(&command)) set_pose(*set);
     if (std::holds_alternative<common::Reset>(command)) reset();
+    if (std::holds_alternative<common::Relocalise>(command)) {
+      waiting_events_.push_back(event("refused", "a search of the whole map is not possible yet"));
+    }
   }
 
   common::Trajectory2 final_trajectory() const { return path_.path(filter_); }
@@ -137,16 +146,21 @@ class VisualSlam::Implementation {
     const cv::Mat picture(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels->data()));
     predict(image.stamp);
     seeing.newest = image.stamp;
+    std::vector<common::Event> events;
     ImageEvidence evidence;
+    if (is_frozen(seeing, image)) {
+      judge(evidence, events);
+      return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
+    }
     std::vector<Track> seen = follow(seeing, picture, evidence);
     recognise(seeing, picture, seen);
     const UpdateReport report = update(seeing, seen);
-    std::vector<common::Event> events;
     account(seeing, seen, report, events);
     learn_looks(seeing, picture);
     keep_pose(image.stamp);
     evidence.inliers = report.inliers;
-    judge(seeing, evidence, events);
+    evidence.textured = has_texture(seeing, evidence.inliers);
+    judge(evidence, events);
     if (monitor_.map_may_grow()) add_features(seeing, picture);
     limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
@@ -292,11 +306,28 @@ class VisualSlam::Implementation {
     }
   }
 
-  /// Whether the camera still knows where it is.
-  void judge(const CameraTracks& seeing, ImageEvidence evidence, std::vector<common::Event>& events) {
+  /// Whether the image shows enough that could be followed.
+  bool has_texture(const CameraTracks& seeing, int inliers) {
     const int enough = options_.tracking.min_inliers;
-    evidence.textured = evidence.inliers >= enough ||
-                        static_cast<int>(front_end_->detect(index_of(seeing), {}, enough, cv::Mat()).size()) >= enough;
+    return inliers >= enough ||
+           static_cast<int>(front_end_->detect(index_of(seeing), {}, enough, cv::Mat()).size()) >= enough;
+  }
+
+  /// Whether the very same picture came again though the wheels turned: a stuck camera, whose picture says nothing. (To
+  /// the filter it would look like a world without depth.)
+  bool is_frozen(CameraTracks& seeing, const common::Image& image) const {
+    const bool same = seeing.pixels && *seeing.pixels == *image.pixels;
+    const Pose2 driven = seeing.odometry_pose.inverse() * odometry_pose_;
+    if (same && (driven.translation().norm() > kClearMove || std::abs(driven.theta) > kClearTurn)) return true;
+    if (!same) {
+      seeing.pixels = image.pixels;
+      seeing.odometry_pose = odometry_pose_;
+    }
+    return false;
+  }
+
+  /// Whether the camera still knows where it is.
+  void judge(const ImageEvidence& evidence, std::vector<common::Event>& events) {
     const common::TrackingState before = monitor_.state();
     const common::TrackingState now = monitor_.update(*newest_, evidence);
     const std::string figures = fmt::format("{} features accepted of {} expected", evidence.inliers, evidence.expected);

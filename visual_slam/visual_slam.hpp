@@ -34,8 +34,8 @@ class VisualSlam : public common::SlamModule {
   /// Rejects images of the wrong size, of an unknown camera, with a stamp that repeats or steps back for that camera,
   /// older than the newest estimate, and images at whose stamp no wheel odometry is known (the planar filter needs it).
   common::ProcessResult process(const common::SensorMessage& message) override;
-  /// SetPose replaces the pose and keeps the map; Relocalise searches the map by the next images; Reset forgets the
-  /// map, starts the next epoch at the origin.
+  /// SetPose replaces the pose and keeps the map; Reset forgets the map and starts the next epoch at the origin. A
+  /// search of the whole map (Relocalise) is not done yet: an event of the next estimate says so, nothing else changes.
   void execute(const common::Command& command) override;
   /// The path corrected by everything seen since: keyframe poses stay in the filter's state and are smoothed by its
   /// cross-covariances; poses between two keyframes take the correction interpolated between them.

@@ -109,9 +109,12 @@ int main(int argc, char** argv) {
   for (const double value : run.milliseconds) sum += value;
   const std::size_t count = run.milliseconds.size();
   if (count > 0) {
-    std::printf("%zu images, %zu rejected; ms an image: mean %.2f median %.2f p95 %.2f max %.2f, of the processor %.2f; %zu landmarks\n",
-                count, run.rejected, sum / static_cast<double>(count), run.milliseconds[count / 2],
-                run.milliseconds[count * 95 / 100], run.milliseconds.back(), 1e3 * run.cpu_seconds / static_cast<double>(count), (*slam)->landmarks().size());
+    std::printf(
+        "%zu images, %zu rejected; ms an image: mean %.2f median %.2f p95 %.2f max %.2f, of the processor %.2f; %zu "
+        "landmarks\n",
+        count, run.rejected, sum / static_cast<double>(count), run.milliseconds[count / 2],
+        run.milliseconds[count * 95 / 100], run.milliseconds.back(), 1e3 * run.cpu_seconds / static_cast<double>(count),
+        (*slam)->landmarks().size());
   }
   for (const common::Event& event : run.events) {
     std::printf("%.2f s %s: %s\n", common::to_seconds(event.stamp - (*recording)->info().first_stamp),

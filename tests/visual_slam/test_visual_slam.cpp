@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <span>
 
 #include "common/recording.hpp"
 
@@ -103,7 +105,7 @@ TEST_F(VisualSlamTest, RepeatingARunAndChangingTheThreadsChangesNothing) {
 }
 
 TEST_F(VisualSlamTest, BlackAndWhiteImagesAreSurvivedWithoutFalseConfidence) {
-  for (const std::uint8_t gray : {0, 255}) {
+  for (const std::uint8_t gray : {std::uint8_t{0}, std::uint8_t{255}}) {
     const auto slam = make();
     std::vector<common::SensorMessage> messages(messages_->begin(), messages_->begin() + messages_->size() / 3);
     for (std::size_t i = messages.size(); i < messages_->size(); ++i)
