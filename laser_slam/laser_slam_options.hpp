@@ -16,7 +16,7 @@ struct LaserSlamOptions {
   double update_angle = 0.35;
   double update_interval = 0.0;
   double resample_threshold = 0.5;
-  double likelihood_gain = 0.1;
+  double likelihood_gain = 0.05;
   double proposal_spread = 1.0;
   double max_range = 80.0;
   double lost_agreement = 0.25;

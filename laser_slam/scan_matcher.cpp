@@ -13,7 +13,7 @@ namespace slamfuse::laser_slam {
 namespace {
 
 constexpr std::array<double, 3> kWidening = {3.0, 2.0, 1.4};  // sigma's factor in the first steps
-constexpr double kSmallStep = 1e-4;                           // [m, rad] ends the climb
+constexpr double kSmallStep = 5e-4;                           // [m, rad] ends the climb
 constexpr double kLargestStep = 0.2;                          // [m, rad] of one step
 constexpr double kSurfaceNoise = 0.01;                        // [m] added to a surface's moments
 constexpr double kLineRatio = 0.2;                            // moments more elongated than this are a line

@@ -3,11 +3,13 @@
 // is found beside the recording: ground truth of an EuRoC folder, NAME.reference.txt and NAME.relations of
 // NAME.clf.bz2.
 //
-//   benchmark_laser_accuracy [--seeds N] [--threads N] [--set laser.key=value]... [--pictures DIR] RECORDING...
+//   benchmark_laser_accuracy [--seeds N] [--threads N] [--set laser.key=value]... [--pictures DIR] [--pixel M]
+//                            RECORDING...
 
 #include <ctime>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -39,6 +41,7 @@ struct Arguments {
   int threads = 2;
   std::vector<std::string> settings;
   std::string pictures;
+  double pixel = 0.05;
   std::vector<std::string> recordings;
 };
 
@@ -159,24 +162,32 @@ std::string relation_errors(const Input& input, const common::Trajectory2& path)
                      accuracy->distant.translation_m.mean);
 }
 
-/// Walls black, free white, unknown gray; the final path in red.
-void draw(const Run& run, const fs::path& file) {
+/// Walls black, free white, unknown gray, the final path in red; one pixel is `pixel` metres. Few shades make small
+/// files.
+void draw(const Run& run, const fs::path& file, double pixel) {
+  constexpr double kUnknownGray = 205.0;
+  constexpr double kShade = 51.0;
   const common::OccupancyGrid& grid = run.grid;
-  cv::Mat picture(grid.height, grid.width, CV_8UC3, cv::Scalar(205, 205, 205));
+  cv::Mat gray(grid.height, grid.width, CV_8U, cv::Scalar(kUnknownGray));
   for (int row = 0; row < grid.height; ++row) {
     for (int column = 0; column < grid.width; ++column) {
       const int value = grid.at(column, row);
-      if (value < 0) continue;
-      const auto gray = static_cast<std::uint8_t>(255 - 255 * value / 100);
-      picture.at<cv::Vec3b>(grid.height - 1 - row, column) = {gray, gray, gray};
+      if (value >= 0)
+        gray.at<std::uint8_t>(grid.height - 1 - row, column) = static_cast<std::uint8_t>(255 - 255 * value / 100);
     }
   }
+  const double scale = grid.resolution / pixel;
+  cv::resize(gray, gray, {}, scale, scale, cv::INTER_AREA);
+  gray.forEach<std::uint8_t>(
+      [](std::uint8_t& value, const int*) { value = static_cast<std::uint8_t>(kShade * std::round(value / kShade)); });
+  cv::Mat picture;
+  cv::cvtColor(gray, picture, cv::COLOR_GRAY2BGR);
   for (const common::StampedPose2& pose : run.final_path) {
-    const Eigen::Vector2d cell = (pose.pose.translation() - grid.origin) / grid.resolution;
-    const cv::Point at(static_cast<int>(cell.x()), grid.height - 1 - static_cast<int>(cell.y()));
+    const Eigen::Vector2d cell = (pose.pose.translation() - grid.origin) / pixel;
+    const cv::Point at(static_cast<int>(cell.x()), picture.rows - 1 - static_cast<int>(cell.y()));
     if (at.inside(cv::Rect(0, 0, picture.cols, picture.rows))) picture.at<cv::Vec3b>(at) = {0, 0, 255};
   }
-  cv::imwrite(file.string(), picture);
+  cv::imwrite(file.string(), picture, {cv::IMWRITE_PNG_COMPRESSION, 9});
 }
 
 int benchmark(const Arguments& arguments) {
@@ -213,7 +224,7 @@ int benchmark(const Arguments& arguments) {
       std::fflush(stdout);
       if (arguments.pictures.empty()) continue;
       const fs::path stem = fs::path(arguments.pictures) / fmt::format("{}-{}", input->name, seed);
-      draw(*result, stem.string() + ".png");
+      draw(*result, stem.string() + ".png", arguments.pixel);
       if (auto written = common::write_tum(stem.string() + ".final.tum", result->final_path); !written) {
         fmt::print(stderr, "{}\n", written.error().message);
       }
@@ -236,6 +247,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", arguments.threads, "worker threads");
   app.add_option("--set", arguments.settings, "laser.key=value")->allow_extra_args(false);
   app.add_option("--pictures", arguments.pictures, "folder for maps and paths");
+  app.add_option("--pixel", arguments.pixel, "side of a picture's pixel [m]");
   app.add_option("recordings", arguments.recordings, "recordings")->required();
   CLI11_PARSE(app, argc, argv);
   return slamfuse::benchmark(arguments);
