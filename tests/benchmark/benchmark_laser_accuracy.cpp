@@ -19,9 +19,11 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <Eigen/LU>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/angle.hpp"
 #include "common/carmen_reference.hpp"
 #include "common/config.hpp"
 #include "common/recording.hpp"
@@ -61,6 +63,7 @@ struct Run {
   common::Trajectory2 final_path;
   common::OccupancyGrid grid;
   std::vector<common::Event> events;
+  std::vector<common::PoseEstimate> estimates;
   double cpu_seconds = 0.0;
   double peak_mb = 0.0;
   int rejected = 0;
@@ -132,6 +135,7 @@ common::Result<Run> run(const Input& input, const laser_slam::LaserSlamOptions& 
     if (!processed.estimate) continue;
     result.online.push_back({processed.estimate->stamp, processed.estimate->pose});
     for (const common::Event& event : processed.estimate->events) result.events.push_back(event);
+    result.estimates.push_back(*processed.estimate);
   }
   result.final_path = (*slam)->final_trajectory();
   result.cpu_seconds = cpu_seconds() - began;
@@ -160,6 +164,34 @@ std::string relation_errors(const Input& input, const common::Trajectory2& path)
   if (!accuracy) return "-";
   return fmt::format("{:.4f} / {:.3f} / {:.4f}", accuracy->all.translation_m.mean, accuracy->all.rotation_deg.mean,
                      accuracy->distant.translation_m.mean);
+}
+
+/// Share of the scans [%] said to leave a direction open.
+double degenerate_percent(const Run& run) {
+  const auto flagged = std::count_if(run.estimates.begin(), run.estimates.end(), [](const common::PoseEstimate& e) {
+    return e.health.degenerate_direction.has_value();
+  });
+  return 100.0 * static_cast<double>(flagged) / static_cast<double>(std::max<std::size_t>(1, run.estimates.size()));
+}
+
+/// Mean normalised squared error of the online poses per degree of freedom: 1 where the covariances are right, more
+/// where they promise too much. The frames are aligned first, so a common error does not count.
+std::string consistency(const Input& input, const Run& run) {
+  if (input.truth.empty()) return "-";
+  const auto accuracy = common::evaluate_trajectory(run.online, input.truth, {});
+  if (!accuracy) return "-";
+  double sum = 0.0;
+  int count = 0;
+  for (const common::PoseEstimate& estimate : run.estimates) {
+    const auto truth = common::pose_at(input.truth, estimate.stamp, common::kNanosecondsPerSecond / 10);
+    if (!truth) continue;
+    const common::Pose2 expected = accuracy->T_reference_estimate.inverse() * *truth;
+    const Eigen::Vector3d error(estimate.pose.x - expected.x, estimate.pose.y - expected.y,
+                                common::angle_difference(estimate.pose.theta, expected.theta));
+    sum += error.dot(estimate.covariance.inverse() * error);
+    ++count;
+  }
+  return count > 0 ? fmt::format("{:.2f}", sum / (3.0 * count)) : "-";
 }
 
 /// Walls black, free white, unknown gray, the final path in red; one pixel is `pixel` metres. Few shades make small
@@ -202,7 +234,8 @@ int benchmark(const Arguments& arguments) {
   fmt::print(
       "| recording | seed | ATE online m | ATE final m | relations online m / deg / distant m | relations final | "
       "loops | "
-      "other events | CPU s | peak MB |\n|---|---|---|---|---|---|---|---|---|---|\n");
+      "other events | degenerate % | NEES/3 | CPU s | peak MB |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& path : arguments.recordings) {
     const auto input = load(path);
     if (!input) {
@@ -217,10 +250,11 @@ int benchmark(const Arguments& arguments) {
       }
       const auto loops = std::count_if(result->events.begin(), result->events.end(),
                                        [](const common::Event& event) { return event.kind == "loop_closed"; });
-      fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.1f} | {:.0f} |\n", input->name, seed,
+      fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.1f} | {} | {:.1f} | {:.0f} |\n", input->name, seed,
                  ate(*input, result->online), ate(*input, result->final_path), relation_errors(*input, result->online),
                  relation_errors(*input, result->final_path), loops,
-                 result->events.size() - static_cast<std::size_t>(loops), result->cpu_seconds, result->peak_mb);
+                 result->events.size() - static_cast<std::size_t>(loops), degenerate_percent(*result),
+                 consistency(*input, *result), result->cpu_seconds, result->peak_mb);
       std::fflush(stdout);
       if (arguments.pictures.empty()) continue;
       const fs::path stem = fs::path(arguments.pictures) / fmt::format("{}-{}", input->name, seed);
