@@ -3,11 +3,13 @@
 // not in the repository are looked for through SLAMFUSE_RECORDINGS and skipped, saying so, without it.
 //
 //     benchmark_bars [SUBSTRING]     only the bars whose name contains it
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -139,11 +141,16 @@ int measure_all() {
   if (is_wanted("flat")) measure_flat(scratch);
   if (is_wanted("rawlog")) measure_rawlog(scratch);
   const char* recordings = std::getenv("SLAMFUSE_RECORDINGS");
-  if (recordings == nullptr) {
-    print_row("intel, calib2d", "", "SLAMFUSE_RECORDINGS not set", "skipped");
-  } else {
-    if (is_wanted("intel")) measure_intel(scratch, recordings);
-    if (is_wanted("calib2d")) measure_calib2d(scratch, recordings);
+  using Measure = void (*)(const Scratch&, const fs::path&);
+  constexpr std::array<std::pair<const char*, Measure>, 2> kOnRealRecordings{
+      {{"intel", measure_intel}, {"calib2d", measure_calib2d}}};
+  for (const auto& [name, measure] : kOnRealRecordings) {
+    if (!is_wanted(name)) continue;
+    if (recordings == nullptr) {
+      print_row(name, "", "SLAMFUSE_RECORDINGS not set", "skipped");
+    } else {
+      measure(scratch, recordings);
+    }
   }
   return failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
