@@ -10,10 +10,10 @@
 
 #include "common/angle.hpp"
 #include "common/odometry_buffer.hpp"
-#include "visual_slam/descriptor.hpp"
+#include "visual_slam/camera_tracks.hpp"
 #include "visual_slam/ekf.hpp"
 #include "visual_slam/front_end.hpp"
-#include "visual_slam/landmark_recogniser.hpp"
+#include "visual_slam/landmark_book.hpp"
 #include "visual_slam/path_recorder.hpp"
 #include "visual_slam/tracking_monitor.hpp"
 
@@ -27,36 +27,10 @@ constexpr Nanoseconds kTwistInterval = 50'000'000;                              
 constexpr Nanoseconds kLoopEventInterval = 10 * common::kNanosecondsPerSecond;  // one event a visit, not one an image
 constexpr double kRefillShare = 0.15;  // new features are looked for when so many of the wanted are missing
 
-// A picture cannot stay the same to the last bit when the robot moves this far.
-constexpr double kClearMove = 0.01;  // [m]
-constexpr double kClearTurn = 0.01;  // [rad]
-
-/// What is known of a landmark besides its place.
-struct LandmarkRecord {
-  int found = 0;
-  int failed = 0;
-  Nanoseconds last_seen = 0;
-  std::uint8_t gray = 0;
-  std::vector<std::uint8_t> descriptor;
-};
-
-/// A landmark being followed in a camera's pictures.
-struct Track {
-  LandmarkId landmark = 0;
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-};
-
-/// A camera and what is being followed in it.
-struct CameraTracks {
-  Camera camera;
-  std::vector<Track> tracks;
-  std::optional<Nanoseconds> newest;
-  std::shared_ptr<const std::vector<std::uint8_t>> pixels;  // of the newest image that differed from the one before
-  Pose2 odometry_pose;                                      // at that image
-};
-
-std::uint8_t gray_at(const cv::Mat& picture, const Eigen::Vector2d& pixel) {
-  return picture.at<unsigned char>(static_cast<int>(pixel.y()), static_cast<int>(pixel.x()));
+std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
+  std::set<LandmarkId> result;
+  for (const Track& track : tracks) result.insert(track.landmark);
+  return result;
 }
 
 }  // namespace
@@ -66,10 +40,10 @@ class VisualSlam::Implementation {
   Implementation(const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras)
       : options_(options),
         front_end_(make_front_end(options.front_end, cameras.size())),
-        recogniser_(options.recognition),
+        book_(options),
         monitor_(options.tracking),
         filter_(options.filter, options.motion) {
-    for (const auto& [name, calibration] : cameras) cameras_.push_back({Camera(name, calibration), {}, {}, {}, {}});
+    for (const auto& [name, calibration] : cameras) cameras_.emplace_back(Camera(name, calibration));
   }
 
   bool wants(const common::SensorMessage& message) const {
@@ -93,20 +67,7 @@ class VisualSlam::Implementation {
 
   common::Trajectory2 final_trajectory() const { return path_.path(filter_); }
 
-  std::vector<common::Landmark> landmarks() const {
-    std::vector<common::Landmark> result;
-    for (const auto& [id, record] : records_) {
-      const std::optional<MapPoint> point = filter_.map_point(id);
-      if (!point) continue;
-      result.push_back({.id = id,
-                        .position = point->position,
-                        .covariance = point->covariance,
-                        .gray = record.gray,
-                        .observations = record.found,
-                        .descriptor = record.descriptor});
-    }
-    return result;
-  }
+  std::vector<common::Landmark> landmarks() const { return book_.landmarks(filter_); }
 
  private:
   std::optional<std::size_t> camera_index(const std::string& name) const {
@@ -148,15 +109,17 @@ class VisualSlam::Implementation {
     seeing.newest = image.stamp;
     std::vector<common::Event> events;
     ImageEvidence evidence;
-    if (is_frozen(seeing, image)) {
+    if (seeing.is_frozen(image, odometry_pose_)) {
       judge(evidence, events);
       return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
     }
     std::vector<Track> seen = follow(seeing, picture, evidence);
-    recognise(seeing, picture, seen);
+    const std::vector<Track> recognised =
+        book_.recognise(filter_, seeing.camera, twist_, picture, numbers(seen), monitor_.map_may_grow());
+    seen.insert(seen.end(), recognised.begin(), recognised.end());
     const UpdateReport report = update(seeing, seen);
     account(seeing, seen, report, events);
-    learn_looks(seeing, picture);
+    book_.learn_looks(filter_, seeing.camera, picture, seeing.tracks);
     keep_pose(image.stamp);
     evidence.inliers = report.inliers;
     evidence.textured = has_texture(seeing, evidence.inliers);
@@ -176,18 +139,11 @@ class VisualSlam::Implementation {
     newest_ = stamp;
   }
 
-  /// Where a landmark should appear; empty when outside the image.
-  std::optional<Eigen::Vector2d> predict_pixel(const Camera& camera, LandmarkId landmark) const {
-    const std::optional<Prediction> prediction = filter_.predict_bearing(camera, landmark, {});
-    if (!prediction) return std::nullopt;
-    return camera.calibration.project(prediction->point.homogeneous());
-  }
-
   /// The features of the camera's previous picture that are found again in this one.
   std::vector<Track> follow(CameraTracks& seeing, const cv::Mat& picture, ImageEvidence& evidence) {
     std::vector<ExpectedFeature> expected;
     for (const Track& track : seeing.tracks) {
-      const std::optional<Eigen::Vector2d> pixel = predict_pixel(seeing.camera, track.landmark);
+      const std::optional<Eigen::Vector2d> pixel = predict_pixel(filter_, seeing.camera, track.landmark);
       if (pixel && seeing.camera.sees(*pixel, 0.0)) expected.push_back({track.landmark, track.pixel, *pixel});
     }
     evidence.expected = static_cast<int>(expected.size());
@@ -199,50 +155,6 @@ class VisualSlam::Implementation {
   }
 
   std::size_t index_of(const CameraTracks& seeing) const { return static_cast<std::size_t>(&seeing - cameras_.data()); }
-
-  /// Looks for landmarks of the map that should be in view and are not followed.
-  void recognise(const CameraTracks& seeing, const cv::Mat& picture, std::vector<Track>& seen) {
-    if (!options_.recognition.enabled) return;
-    std::set<LandmarkId> followed;
-    for (const Track& track : seen) followed.insert(track.landmark);
-    std::vector<RecognitionCandidate> candidates;
-    for (const auto& [id, record] : records_) {
-      if (followed.contains(id) || !recogniser_.knows(id)) continue;
-      if (std::optional<RecognitionCandidate> one = candidate(seeing.camera, id)) candidates.push_back(*one);
-    }
-    std::stable_sort(candidates.begin(), candidates.end(), [this](const auto& a, const auto& b) {
-      return records_.at(a.id).found > records_.at(b.id).found;
-    });
-    const std::size_t limit = static_cast<std::size_t>(options_.recognition.candidates_per_image);
-    if (candidates.size() > limit) candidates.resize(limit);
-    for (const RecognitionCandidate& one : candidates) {
-      if (const std::optional<FoundFeature> found = recogniser_.find(picture, one)) {
-        seen.push_back({found->id, found->pixel});
-      } else if (monitor_.map_may_grow()) {
-        ++records_.at(one.id).failed;
-      }
-    }
-  }
-
-  std::optional<RecognitionCandidate> candidate(const Camera& camera, LandmarkId id) const {
-    const std::optional<MapPoint> point = filter_.map_point(id);
-    if (!point) return std::nullopt;
-    RecognitionCandidate result;
-    result.id = id;
-    result.view = point->position - optical_centre(camera, filter_.pose());
-    if (!recogniser_.comparable(id, result.view)) return std::nullopt;
-    const std::optional<Eigen::Vector2d> rough = predict_pixel(camera, id);
-    if (!rough || !camera.sees(*rough, options_.front_end.border)) return std::nullopt;
-    const Pose2 row_shift = make_bearing(camera, *rough, options_.filter.pixel_sigma, twist_).row_shift;
-    const std::optional<Prediction> prediction = filter_.predict_bearing(camera, id, row_shift);
-    if (!prediction) return std::nullopt;
-    const std::optional<Eigen::Vector2d> pixel = camera.calibration.project(prediction->point.homogeneous());
-    if (!pixel || !camera.sees(*pixel, options_.front_end.border)) return std::nullopt;
-    result.predicted = *pixel;
-    const double sigma = camera.focal_length * std::sqrt(prediction->covariance.trace()) + options_.filter.pixel_sigma;
-    result.radius = std::min(options_.recognition.search_sigma * sigma, options_.recognition.max_search_radius);
-    return result;
-  }
 
   UpdateReport update(const CameraTracks& seeing, const std::vector<Track>& seen) {
     std::vector<Measurement> measurements;
@@ -260,14 +172,11 @@ class VisualSlam::Implementation {
     std::vector<LandmarkId> accepted;
     int back_after_long = 0;
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      LandmarkRecord& record = records_.at(seen[i].landmark);
       if (!report.accepted[i]) {
-        ++record.failed;
+        book_.fail(seen[i].landmark);
         continue;
       }
-      if (common::to_seconds(*newest_ - record.last_seen) > options_.recognition.loop_absence) ++back_after_long;
-      ++record.found;
-      record.last_seen = *newest_;
+      if (book_.confirm(seen[i].landmark, *newest_) > options_.recognition.loop_absence) ++back_after_long;
       accepted.push_back(seen[i].landmark);
       seeing.tracks.push_back(seen[i]);
     }
@@ -280,13 +189,11 @@ class VisualSlam::Implementation {
     std::set<LandmarkId> useless;
     for (const LandmarkId id : filter_.convert(seeing.camera, accepted)) useless.insert(id);
     for (const Track& track : before) {
-      if (!filter_.is_cartesian(track.landmark) && records_.at(track.landmark).last_seen != *newest_) {
+      if (!filter_.is_cartesian(track.landmark) && !book_.seen_at(track.landmark, *newest_)) {
         useless.insert(track.landmark);
       }
     }
-    for (const auto& [id, record] : records_) {
-      if (record.failed > record.found + options_.map.max_failures) useless.insert(id);
-    }
+    for (const LandmarkId id : book_.failing()) useless.insert(id);
     drop({useless.begin(), useless.end()});
   }
 
@@ -298,8 +205,7 @@ class VisualSlam::Implementation {
   /// Everything about landmarks that are no longer in the filter.
   void forget(const std::vector<LandmarkId>& landmarks) {
     for (const LandmarkId id : landmarks) {
-      records_.erase(id);
-      recogniser_.forget(id);
+      book_.forget(id);
       for (CameraTracks& camera : cameras_) {
         std::erase_if(camera.tracks, [id](const Track& track) { return track.landmark == id; });
       }
@@ -313,19 +219,6 @@ class VisualSlam::Implementation {
            static_cast<int>(front_end_->detect(index_of(seeing), {}, enough, cv::Mat()).size()) >= enough;
   }
 
-  /// Whether the very same picture came again though the wheels turned: a stuck camera, whose picture says nothing. (To
-  /// the filter it would look like a world without depth.)
-  bool is_frozen(CameraTracks& seeing, const common::Image& image) const {
-    const bool same = seeing.pixels && *seeing.pixels == *image.pixels;
-    const Pose2 driven = seeing.odometry_pose.inverse() * odometry_pose_;
-    if (same && (driven.translation().norm() > kClearMove || std::abs(driven.theta) > kClearTurn)) return true;
-    if (!same) {
-      seeing.pixels = image.pixels;
-      seeing.odometry_pose = odometry_pose_;
-    }
-    return false;
-  }
-
   /// Whether the camera still knows where it is.
   void judge(const ImageEvidence& evidence, std::vector<common::Event>& events) {
     const common::TrackingState before = monitor_.state();
@@ -335,24 +228,6 @@ class VisualSlam::Implementation {
     if (before == common::TrackingState::kLost && now == common::TrackingState::kTracking) {
       events.push_back(event("relocalised", figures));
     }
-  }
-
-  void learn_looks(const CameraTracks& seeing, const cv::Mat& picture) {
-    std::vector<Eigen::Vector2d> pixels;
-    std::vector<LandmarkRecord*> undescribed;
-    for (const Track& track : seeing.tracks) {
-      const std::optional<MapPoint> point = filter_.map_point(track.landmark);
-      if (!point) continue;
-      recogniser_.remember(track.landmark, picture, track.pixel,
-                           point->position - optical_centre(seeing.camera, filter_.pose()));
-      LandmarkRecord& record = records_.at(track.landmark);
-      if (record.descriptor.empty()) {
-        pixels.push_back(track.pixel);
-        undescribed.push_back(&record);
-      }
-    }
-    std::vector<std::vector<std::uint8_t>> descriptors = describe(picture, pixels);
-    for (std::size_t i = 0; i < undescribed.size(); ++i) undescribed[i]->descriptor = std::move(descriptors[i]);
   }
 
   void keep_pose(Nanoseconds stamp) {
@@ -370,34 +245,17 @@ class VisualSlam::Implementation {
     std::vector<Eigen::Vector2d> taken;
     for (const Track& track : seeing.tracks) taken.push_back(track.pixel);
     for (const Eigen::Vector2d& pixel : front_end_->detect(index_of(seeing), taken, missing, cv::Mat())) {
-      const LandmarkId id = next_landmark_++;
+      const LandmarkId id = book_.enter(picture, pixel, *newest_);
       filter_.add_landmark(id, seeing.camera, make_bearing(seeing.camera, pixel, options_.filter.pixel_sigma, twist_),
                            *newest_);
-      records_.emplace(
-          id, LandmarkRecord{
-                  .found = 1, .failed = 0, .last_seen = *newest_, .gray = gray_at(picture, pixel), .descriptor = {}});
       seeing.tracks.push_back({id, pixel});
     }
   }
 
-  /// Over the limit the landmarks found least often go first, of those the longest unseen; never one in view.
   void limit_map() {
-    const std::size_t limit = static_cast<std::size_t>(options_.map.max_landmarks);
-    if (records_.size() <= limit) return;
     std::set<LandmarkId> followed;
-    for (const CameraTracks& camera : cameras_) {
-      for (const Track& track : camera.tracks) followed.insert(track.landmark);
-    }
-    std::vector<std::tuple<int, Nanoseconds, LandmarkId>> idle;
-    for (const auto& [id, record] : records_) {
-      if (!followed.contains(id)) idle.emplace_back(record.found, record.last_seen, id);
-    }
-    std::sort(idle.begin(), idle.end());
-    std::vector<LandmarkId> surplus;
-    for (std::size_t i = 0; i < idle.size() && records_.size() - surplus.size() > limit; ++i) {
-      surplus.push_back(std::get<2>(idle[i]));
-    }
-    drop(surplus);
+    for (const CameraTracks& camera : cameras_) followed.merge(numbers(camera.tracks));
+    drop(book_.surplus(followed));
   }
 
   common::Event event(std::string kind, std::string detail) const {
@@ -437,8 +295,7 @@ class VisualSlam::Implementation {
   void reset() {
     path_.freeze(filter_);
     filter_ = Ekf(options_.filter, options_.motion);
-    records_.clear();
-    recogniser_.clear();
+    book_.clear();
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
     last_loop_.reset();
@@ -450,13 +307,11 @@ class VisualSlam::Implementation {
   VisualSlamOptions options_;
   std::vector<CameraTracks> cameras_;  // fixed once built: the filter keeps pointers to the cameras
   std::unique_ptr<FrontEnd> front_end_;
-  LandmarkRecogniser recogniser_;
+  LandmarkBook book_;
   TrackingMonitor monitor_;
   Ekf filter_;
   PathRecorder path_;
   common::OdometryBuffer odometry_;
-  std::map<LandmarkId, LandmarkRecord> records_;  // of all landmarks in the filter
-  LandmarkId next_landmark_ = 1;
   std::uint32_t epoch_ = 0;
   std::optional<Nanoseconds> newest_;  // stamp of the newest estimate
   Pose2 odometry_pose_;                // T_odom_base there

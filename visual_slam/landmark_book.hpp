@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "common/landmark.hpp"
+#include "visual_slam/camera_tracks.hpp"
+#include "visual_slam/ekf.hpp"
+#include "visual_slam/landmark_recogniser.hpp"
+#include "visual_slam/options.hpp"
+
+namespace slamfuse::visual_slam {
+
+/// What is known of the landmarks in the filter besides their place: how they look, and how often they were found.
+class LandmarkBook {
+ public:
+  explicit LandmarkBook(const VisualSlamOptions& options) : options_(options), recogniser_(options.recognition) {}
+
+  std::size_t size() const { return records_.size(); }
+  void clear();
+
+  /// A landmark was seen the first time, at a pixel of a picture. Returns its number.
+  LandmarkId enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp);
+  void forget(LandmarkId landmark);
+  /// A measurement of the landmark was accepted. Returns how long it had not been seen [s].
+  double confirm(LandmarkId landmark, common::Nanoseconds stamp);
+  /// A measurement of the landmark was wrong.
+  void fail(LandmarkId landmark) { ++records_.at(landmark).failed; }
+  bool seen_at(LandmarkId landmark, common::Nanoseconds stamp) const {
+    return records_.at(landmark).last_seen == stamp;
+  }
+
+  /// Looks in the picture for landmarks of known place that should be in view and are not among `followed`. `twist` as
+  /// in make_bearing. Those not found are counted as failures when `count_failures`.
+  std::vector<Track> recognise(const Ekf& filter, const Camera& camera, const Eigen::Vector3d& twist,
+                               const cv::Mat& picture, const std::set<LandmarkId>& followed, bool count_failures);
+  /// Takes another look at the landmarks found in a picture.
+  void learn_looks(const Ekf& filter, const Camera& camera, const cv::Mat& picture, std::span<const Track> tracks);
+
+  /// Landmarks that fail too often.
+  std::vector<LandmarkId> failing() const;
+  /// Those over the limit of the map: the ones found least often go first, of these the longest unseen, none followed.
+  std::vector<LandmarkId> surplus(const std::set<LandmarkId>& followed) const;
+  /// All landmarks of known place.
+  std::vector<common::Landmark> landmarks(const Ekf& filter) const;
+
+ private:
+  struct Record {
+    int found = 1;
+    int failed = 0;
+    common::Nanoseconds last_seen = 0;
+    std::uint8_t gray = 0;
+    std::vector<std::uint8_t> descriptor = {};
+  };
+
+  std::optional<RecognitionCandidate> candidate(const Ekf& filter, const Camera& camera, const Eigen::Vector3d& twist,
+                                                LandmarkId landmark) const;
+
+  VisualSlamOptions options_;
+  LandmarkRecogniser recogniser_;
+  std::map<LandmarkId, Record> records_;
+  LandmarkId next_ = 1;
+};
+
+/// Where a landmark should appear in an image taken now; empty when outside the lens's field of view.
+std::optional<Eigen::Vector2d> predict_pixel(const Ekf& filter, const Camera& camera, LandmarkId landmark,
+                                             const common::Pose2& row_shift = {});
+
+}  // namespace slamfuse::visual_slam
