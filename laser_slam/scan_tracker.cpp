@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "laser_slam/scan_tracker.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -10,6 +11,9 @@
 namespace slamfuse::laser_slam {
 namespace {
 
+/// A motion that differs so much [m, rad] from the last speed is checked against it: half the matcher's basin. There
+/// are logs in which the odometry counts forward while the robot backs up (fr079).
+constexpr double kSurprise = 0.05;
 constexpr double kEnoughKnown = 0.3;  // share of the beams in mapped space for their agreement to count
 
 }  // namespace
@@ -31,7 +35,11 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
   const double beams = static_cast<double>(points.size());
   const bool doubtful =
       tracked.match.fit.agreement < matching_.rematch_agreement && tracked.match.fit.known >= kEnoughKnown * beams;
-  if (prediction.suspicious || doubtful) {
+  const common::Pose2 coasting = predictor.at_last_speed(prediction.seconds);
+  const common::Pose2 disagreement = prediction.increment.inverse() * coasting;
+  const bool surprising =
+      std::max(std::hypot(disagreement.x, disagreement.y), std::abs(disagreement.theta)) > kSurprise;
+  if (prediction.suspicious || doubtful || surprising) {
     // The likelihood decides, not the agreement: it also counts how much of the scan meets the map at all.
     double to_beat = tracked.match.fit.log_likelihood + matching_.rematch_gain * beams;
     const auto consider = [&](const ScanMatch& other) {
@@ -44,11 +52,12 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
       tracked.match = other;
       tracked.odometry_doubted = true;
     };
-    for (const common::Pose2& begin : {last, last * predictor.at_last_speed(prediction.seconds)}) {
+    const bool search = prediction.suspicious || doubtful;
+    for (const common::Pose2& begin : {last * coasting, last}) {
       consider(matcher_.match(map, points, begin, PosePrior{begin, Eigen::Matrix3d::Zero()}, old_before));
-      consider(matcher_.search(map, points, begin, old_before));
+      if (search) consider(matcher_.search(map, points, begin, old_before));
     }
-    consider(matcher_.search(map, points, prior.mean, old_before));
+    if (search) consider(matcher_.search(map, points, prior.mean, old_before));
   }
   tracked.increment = last.inverse() * tracked.match.pose;
   return tracked;

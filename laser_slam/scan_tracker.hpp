@@ -22,9 +22,9 @@ struct TrackedScan {
 
 /// Follows the pose from scan to scan in one map: the online path, and the guard against odometry that jumps.
 ///
-/// The climb starts where the prediction says. Where the scan agrees badly there, or the odometry is too fast to be
-/// true, climbs from standstill, from the last matched speed and from searches around them and around the prediction
-/// are tried too; they win only when they agree clearly better.
+/// The climb starts where the prediction says. Where the odometry differs from the last matched speed, climbs from
+/// there and from standstill are tried too; where the scan agrees badly or the odometry is too fast to be true, also
+/// searches around all three. They win only when they are clearly likelier.
 class ScanTracker {
  public:
   ScanTracker(const ScanMatcher& matcher, const ScanMatcherOptions& matching, const MotionModelOptions& motion)

@@ -177,7 +177,7 @@ double degenerate_percent(const Run& run) {
 /// Mean normalised squared error of the online poses per degree of freedom: 1 where the covariances are right, more
 /// where they promise too much. The frames are aligned first, so a common error does not count.
 std::string consistency(const Input& input, const Run& run) {
-  if (input.truth.empty()) return "-";
+  if (input.truth.empty() || !input.reference.empty()) return "-";
   const auto accuracy = common::evaluate_trajectory(run.online, input.truth, {});
   if (!accuracy) return "-";
   double sum = 0.0;

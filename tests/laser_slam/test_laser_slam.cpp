@@ -139,6 +139,16 @@ TEST(LaserSlam, SurvivesJumpsOfTheOdometry) {
   EXPECT_LT(drive(circle(130), settings).worst_error(), 0.08);
 }
 
+TEST(LaserSlam, SeesThroughOdometryThatCountsForwardWhileTheRobotBacksUp) {
+  std::vector<common::Pose2> poses;
+  for (int i = 0; i < 20; ++i) poses.push_back({0.08 * i, 0.0, 0.0});
+  for (int i = 0; i < 30; ++i) poses.push_back({1.52 - 0.08 * i, 0.0, 0.0});
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.odometry_error = [](int i, const common::Pose2&) { return common::Pose2{0.08 * i, 0.0, 0.0}; };
+  EXPECT_LT(drive(poses, settings).worst_error(), 0.1);
+}
+
 TEST(LaserSlam, TakesALaserMountedUpsideDownAndAside) {
   DriveSettings settings;
   settings.options = few_particles();
