@@ -38,7 +38,7 @@ class WordReader {
   Nanoseconds stamp() {
     const std::string_view word = next();
     const std::optional<Nanoseconds> value = parse_decimal_seconds(word);
-    const bool fits = value && *value >= 0 && *value <= kLatestCarmenStamp;
+    const bool fits = value && *value >= 0;
     if (!fits) refuse(word, "a stamp in decimal seconds");
     return fits ? *value : 0;
   }
@@ -74,8 +74,6 @@ class WordReader {
   }
 
  private:
-  static constexpr Nanoseconds kLatestCarmenStamp = 4'000'000'000 * kNanosecondsPerSecond;  ///< the year 2096
-
   std::string_view next() {
     if (at_ < words_.size()) return words_[at_++];
     refuse_length("fewer");

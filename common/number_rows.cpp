@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/number_rows.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "common/line_reader.hpp"
 #include "common/text_fields.hpp"
 
 namespace slamfuse::common {
+
 Result<double> NumberRow::number(std::size_t index) const {
   const std::optional<double> value = parse_real(columns[index]);
   if (value) return *value;
@@ -28,25 +27,23 @@ Result<Nanoseconds> NumberRow::stamp(std::size_t index) const {
 
 Result<void> read_number_rows(const std::filesystem::path& path,
                               const std::function<Result<void>(const NumberRow&)>& take) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    return invalid_input(fmt::format("{}: is a folder, expected a text file", path.string()));
-  }
-  errno = 0;
-  std::ifstream file(path);
-  if (!file) return invalid_input(fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
-
-  std::string line;
+  Result<LineReader> lines = open_lines(path);
+  if (!lines) return tl::unexpected(lines.error());
   std::vector<std::string_view> columns;
   bool any = false;
-  for (std::size_t number = 1; std::getline(file, line); ++number) {
-    if (line.ends_with('\r')) line.pop_back();
-    split_at_blanks(line, columns);
+  while (true) {
+    const Result<std::optional<LineReader::Line>> line = lines->next();
+    if (!line) return tl::unexpected(line.error());
+    if (!*line) break;
+    const std::string where = fmt::format("{}:{}", path.string(), (*line)->number);
+    if ((*line)->too_long) {
+      return invalid_input(fmt::format("{}: line longer than {} characters", where, LineReader::kLongestLine));
+    }
+    split_at_blanks((*line)->text, columns);
     if (columns.empty() || columns.front().front() == '#') continue;
     any = true;
-    if (Result<void> taken = take({fmt::format("{}:{}", path.string(), number), columns}); !taken) return taken;
+    if (Result<void> taken = take({where, columns}); !taken) return taken;
   }
-  if (file.bad()) return invalid_input(fmt::format("{}: reading failed: {}", path.string(), std::strerror(errno)));
   if (!any) return invalid_input(fmt::format("{}: has no line of numbers", path.string()));
   return {};
 }

@@ -23,9 +23,9 @@ struct NumberRow {
   Result<Nanoseconds> stamp(std::size_t index) const;
 };
 
-/// Reads a text file line by line and hands every row to `take`, which may end the reading with an error. Blank lines
-/// and lines that start with '#' are left out; line ends may be LF or CR LF. Errors (kInvalidInput): the file cannot be
-/// read, has no row at all, or what `take` returns.
+/// Reads a text file (plain, gzip, bzip2) line by line and hands every row to `take`, which may end the reading with an
+/// error. Blank lines and lines that start with '#' are left out; line ends may be LF or CR LF. Errors (kInvalidInput):
+/// the file cannot be read, has a line longer than LineReader::kLongestLine or no row at all, or what `take` returns.
 Result<void> read_number_rows(const std::filesystem::path& path,
                               const std::function<Result<void>(const NumberRow&)>& take);
 

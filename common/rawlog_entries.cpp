@@ -29,8 +29,8 @@ namespace {
 /// MRPT counts 100 ns since 1601; 0 stands for no stamp.
 std::optional<Nanoseconds> stamp_from(const mrpt::Clock::time_point& time) {
   constexpr std::int64_t kTicksFrom1601To1970 = 116'444'736'000'000'000;
-  constexpr std::int64_t kLatestTicks = kTicksFrom1601To1970 + 40'000'000'000'000'000;  // the year 2096
   constexpr std::int64_t kNanosecondsPerTick = 100;
+  constexpr std::int64_t kLatestTicks = kTicksFrom1601To1970 + kLatestStamp / kNanosecondsPerTick;
   const std::int64_t ticks = time.time_since_epoch().count();
   if (ticks < kTicksFrom1601To1970 || ticks > kLatestTicks) return std::nullopt;
   return (ticks - kTicksFrom1601To1970) * kNanosecondsPerTick;

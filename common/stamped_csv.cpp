@@ -10,8 +10,6 @@
 namespace slamfuse::common {
 namespace {
 
-/// The year 2096: later stamps are garbled, and sums with them could overflow.
-constexpr Nanoseconds kLatestStamp = 4'000'000'000 * kNanosecondsPerSecond;
 constexpr Nanoseconds kStampRunsAhead = kNanosecondsPerSecond;
 
 bool names_column(std::string_view field, std::string_view name) {
@@ -32,7 +30,8 @@ Result<void> check_header(const std::string& where, std::string_view header, con
     if (i >= fields.size() && i >= columns.required) break;
     if (i >= fields.size() || !names_column(fields[i], columns.names[i])) {
       return invalid_input(where + ": column " + std::to_string(i + 1) + " is " +
-                           (i < fields.size() ? in_quotes(fields[i]) : "missing") + " (expected: " + listed(columns) + ")");
+                           (i < fields.size() ? in_quotes(fields[i]) : "missing") + " (expected: " + listed(columns) +
+                           ")");
     }
   }
   return {};
@@ -91,7 +90,8 @@ Result<std::optional<StampedCsv::RawRow>> StampedCsv::read_raw_row() {
     row.stamp = parse_integer(stamp);
     if (!row.stamp || *row.stamp < 0 || *row.stamp > kLatestStamp) {
       row.stamp.reset();
-      row.problem = "stamp " + in_quotes(stamp) + " (allowed: nanoseconds from 0 to " + std::to_string(kLatestStamp) + ")";
+      row.problem =
+          "stamp " + in_quotes(stamp) + " (allowed: nanoseconds from 0 to " + std::to_string(kLatestStamp) + ")";
     }
     if (comma != std::string_view::npos) row.text = text.substr(comma + 1);
     return row;

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 namespace slamfuse::common {
 namespace {
@@ -51,10 +50,9 @@ std::optional<Nanoseconds> parse_decimal_seconds(std::string_view text) {
   // The value in nanoseconds is the digits before position point + 9.
   const int end = point + 9;
   Nanoseconds value = 0;
-  constexpr Nanoseconds kMax = std::numeric_limits<Nanoseconds>::max();
   for (int i = 0; i < end; ++i) {
     const Nanoseconds digit = i < static_cast<int>(digits.size()) ? digits[static_cast<std::size_t>(i)] - '0' : 0;
-    if (value > (kMax - digit) / 10) return std::nullopt;
+    if (value > (kLatestStamp - digit) / 10) return std::nullopt;
     value = value * 10 + digit;
     if (value == 0 && i >= static_cast<int>(digits.size())) break;
   }

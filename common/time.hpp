@@ -14,6 +14,9 @@ using Nanoseconds = std::int64_t;
 
 inline constexpr Nanoseconds kNanosecondsPerSecond = 1'000'000'000;
 
+/// The year 2096. Later stamps are garbled, and differences of two stamps up to here fit in Nanoseconds.
+inline constexpr Nanoseconds kLatestStamp = 4'000'000'000 * kNanosecondsPerSecond;
+
 /// Nanoseconds as floating-point seconds: for durations only, a Unix stamp loses its last digits in a double.
 constexpr double to_seconds(Nanoseconds duration) { return static_cast<double>(duration) * 1e-9; }
 
@@ -22,7 +25,7 @@ Nanoseconds from_seconds(double seconds);
 
 /// Parses decimal seconds such as "976052857.337284" digit by digit, never through a double. An optional sign, digits,
 /// and up to nine decimals count (further decimals are cut). Exponents are read too ("1.5e9"). Returns nothing when the
-/// text is not a finite decimal number that fits.
+/// text is not a finite decimal number between -kLatestStamp and kLatestStamp.
 std::optional<Nanoseconds> parse_decimal_seconds(std::string_view text);
 
 /// Seconds with exactly nine decimals, e.g. "976052857.337284000".

@@ -245,15 +245,21 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   if (laser.empty()) return refuse(nothing, "there is no laser trajectory");
   if (visual.empty()) return refuse(nothing, "there is no visual trajectory");
 
-  const std::vector<PosePair> pairs = pair_trajectories(laser, visual, options.pairing);
-  nothing.pairs = pairs.size();
-  if (pairs.empty()) return refuse(nothing, "the trajectories have no poses at common times");
-  if (pairs.size() < static_cast<std::size_t>(options.min_pairs)) {
-    return refuse(nothing, fmt::format("too few pairs: {}, needed {}", pairs.size(), options.min_pairs));
+  const std::vector<PosePair> all_pairs = pair_trajectories(laser, visual, options.pairing);
+  nothing.pairs = all_pairs.size();
+  if (all_pairs.empty()) return refuse(nothing, "the trajectories have no poses at common times");
+  const auto needed = static_cast<std::size_t>(options.min_pairs);
+  if (all_pairs.size() < needed) {
+    return refuse(nothing, fmt::format("too few pairs: {}, needed {}", all_pairs.size(), needed));
   }
-  const double path = laser_path(pairs);
+  const double path = laser_path(all_pairs);
   if (path < options.min_path) {
     return refuse(nothing, fmt::format("the path is too short: {:.3f} m, needed {:.3f} m", path, options.min_path));
+  }
+  const std::vector<PosePair> pairs = without_standstill(all_pairs, options.pairing);
+  nothing.pairs = pairs.size();
+  if (pairs.size() < needed) {
+    return refuse(nothing, fmt::format("too few pairs where the robot moved: {}, needed {}", pairs.size(), needed));
   }
 
   const std::vector<bool> trusted = trusted_pairs(pairs, options);

@@ -35,7 +35,7 @@ struct Alignment {
   double rmse = 0.0;          ///< of the inlying pairs' positions [m]
   double heldout_rmse = 0.0;  ///< of the inliers that were held out, under a fit to the others [m]
   double rmse_all = 0.0;      ///< of all pairs, outliers too [m]
-  std::size_t pairs = 0;
+  std::size_t pairs = 0;      ///< used: without those in which the robot stood still
   std::size_t inliers = 0;
   double runner_up_ratio = 0.0;     ///< loss of the best well-separated other angle over the best loss
   double straightness_ratio = 0.0;  ///< narrow over wide standard deviation of the laser's positions

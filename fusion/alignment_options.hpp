@@ -50,6 +50,9 @@ struct AlignmentOptions {
         "affine_gain", affine_gain, {0.0, 1.0}, "",
         "Method auto takes the affine map only if its held-out error is below this part of the similarity's: two "
         "more numbers always fit better and extrapolate worse.");
+    visit.real("affine_straightness_ratio", affine_straightness_ratio, {0.0, 1.0}, "",
+               "Method auto considers the affine map only if the path is at least this wide (as "
+               "min_straightness_ratio): across a narrow one the second scale is hardly seen.");
     visit.integer("min_pairs", min_pairs, {6, 100000}, "", "Fewer pairs are refused.");
     visit.real("min_path", min_path, {0.0, 1000.0}, "m", "A shorter laser path within the pairs is refused.");
     visit.real("min_straightness_ratio", min_straightness_ratio, {0.0, 1.0}, "",

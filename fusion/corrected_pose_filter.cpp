@@ -18,6 +18,12 @@ void CorrectedPoseFilter::move_to(const common::Pose2& T_odom_base, double secon
   T_odom_base_ = T_odom_base;
 }
 
+void CorrectedPoseFilter::change_odometry_frame(const common::Pose2& T_new_old) {
+  T_odom_base_ = T_new_old * T_odom_base_;
+  for (auto& [source, support] : supports_) support.T_odom_base = T_new_old * support.T_odom_base;
+  for (auto& [source, watch] : watches_) watch.change_odometry_frame(T_new_old);
+}
+
 MeasurementReport CorrectedPoseFilter::measure(common::PoseSource source, common::Nanoseconds stamp,
                                                const UncertainPose& measured, const common::Pose2& T_odom_base_then,
                                                double seconds_without_odometry) {

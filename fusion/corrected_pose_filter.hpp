@@ -65,8 +65,9 @@ class CorrectedPoseFilter {
   void restart();
   /// Odometry has come to `T_odom_base`; for `seconds_without_odometry` of the time since there was none.
   void move_to(const common::Pose2& T_odom_base, double seconds_without_odometry);
-  /// The odometry frame has changed (its first message): the pose stays, `T_odom_base` is what odometry calls it.
-  void rebase(const common::Pose2& T_odom_base) { T_odom_base_ = T_odom_base; }
+  /// Poses in the odometry frame are from now on given in another one, in which the old one is `T_new_old` (odometry
+  /// has come, and its origin is somewhere): the pose in the map stays.
+  void change_odometry_frame(const common::Pose2& T_new_old);
   /// A pose of base_link in the map frame measured at `stamp`, when odometry stood at `T_odom_base_then`, which may be
   /// before the newest: it is moved on by what odometry tells since. `seconds_without_odometry` is the part of that
   /// time without. The covariance must be positive definite.

@@ -37,8 +37,8 @@ class CorrectionLimiter {
   UncertainPose follow(common::Nanoseconds stamp, const UncertainPose& target, const common::Pose2& T_odom_base);
   /// The next pose is the target again, without any transition (a new map frame).
   void restart() { started_ = false; }
-  /// The odometry frame has changed; the published pose stays.
-  void rebase(const common::Pose2& T_odom_base) { T_odom_base_ = T_odom_base; }
+  /// As CorrectedPoseFilter::change_odometry_frame: the published pose stays.
+  void change_odometry_frame(const common::Pose2& T_new_old) { T_odom_base_ = T_new_old * T_odom_base_; }
   /// Distance [m] that the last published pose was still behind.
   double lag() const { return lag_; }
 

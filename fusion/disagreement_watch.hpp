@@ -26,6 +26,8 @@ class DisagreementWatch {
 
   /// A pose was used: whatever was told before does not count any more.
   void clear() { count_ = 0; }
+  /// As CorrectedPoseFilter::change_odometry_frame.
+  void change_odometry_frame(const common::Pose2& T_new_old) { last_T_odom_base_ = T_new_old * last_T_odom_base_; }
 
   /// Takes the next gated pose and tells whether the story has lasted long enough. Two poses tell the same story when
   /// the odometry between them explains their difference within `gate`.

@@ -62,6 +62,9 @@ struct Fusion::State {
   }
   /// Nothing when the stamp is older than all odometry still known.
   std::optional<OdometryAt> odometry_at(Nanoseconds stamp) const;
+  /// Until odometry speaks the robot counts as standing at the origin of its frame; that origin is now known to be
+  /// where odometry starts, for all that was kept too.
+  void start_odometry_at(const common::Pose2& T_odom_base);
   /// Takes notice of the epoch. Returns false for poses of an epoch that is over.
   bool accept_epoch(const PoseEstimate& estimate, FusionOutput& output);
   /// Whose frame the corrected pose is in, decided as halves speak up.
@@ -100,6 +103,13 @@ std::optional<OdometryAt> Fusion::State::odometry_at(Nanoseconds stamp) const {
   const common::WheelOdometry& newest = odometry.newest();
   if (stamp < newest.stamp) return std::nullopt;
   return OdometryAt{newest.pose, std::abs(common::to_seconds(stamp - std::max(now, newest.stamp)))};
+}
+
+void Fusion::State::start_odometry_at(const common::Pose2& T_odom_base) {
+  filter.change_odometry_frame(T_odom_base);
+  limiter.change_odometry_frame(T_odom_base);
+  for (PublishedPose& pose : published) pose.T_odom_base = T_odom_base * pose.T_odom_base;
+  for (ReceivedEstimate& estimate : received) estimate.T_odom_base = T_odom_base * estimate.T_odom_base;
 }
 
 bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& output) {
@@ -162,7 +172,8 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
                      common::to_string(estimate.source), report.jump));
   }
   if (report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled) {
-    last_used = estimate.stamp;
+    // A late pose does not undo a newer one; where the clock itself steps back (CARMEN) nothing is late.
+    last_used = late ? std::max(last_used, estimate.stamp) : estimate.stamp;
   }
 }
 
@@ -284,12 +295,8 @@ FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
   State& s = *state_;
   const bool first = s.odometry.empty();
   s.odometry.add(odometry);
-  if (first) {
-    s.filter.rebase(odometry.pose);
-    s.limiter.rebase(odometry.pose);
-  } else {
-    s.filter.move_to(odometry.pose, 0.0);
-  }
+  if (first) s.start_odometry_at(odometry.pose);
+  s.filter.move_to(odometry.pose, 0.0);
   s.now = odometry.stamp;
   s.command_lost_halves(output);
   s.write_status(output);

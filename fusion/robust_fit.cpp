@@ -281,6 +281,7 @@ Matrix6 covariance_of(const CentredPaths& paths, const PlanarAffine& map, const 
     if (!inliers[i]) continue;
     const Eigen::Vector2d residual = paths.laser[i] - map * paths.visual[i];
     const double u2 = residual.squaredNorm() / (kTukeyConstant * kTukeyConstant * sigma * sigma);
+    if (u2 >= 1.0) continue;  // an inlier by a wide setting that has no weight in the fit
     const double weight = (1.0 - u2) * (1.0 - u2);
     slope += weight - 2.0 * u2 * (1.0 - u2);
     square += 0.5 * weight * weight * residual.squaredNorm();

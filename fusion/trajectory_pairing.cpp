@@ -45,4 +45,15 @@ std::vector<PosePair> pair_trajectories(const common::Trajectory2& laser, const 
   return pairs;
 }
 
+std::vector<PosePair> without_standstill(const std::vector<PosePair>& pairs, const PairingOptions& options) {
+  std::vector<PosePair> moving;
+  moving.reserve(pairs.size());
+  for (const PosePair& pair : pairs) {
+    const bool moved =
+        moving.empty() || (pair.laser.translation() - moving.back().laser.translation()).norm() >= options.min_step;
+    if (moved) moving.push_back(pair);
+  }
+  return moving;
+}
+
 }  // namespace slamfuse::fusion

@@ -9,11 +9,15 @@
 namespace slamfuse::fusion {
 
 struct PairingOptions {
-  double max_gap = 0.5;  ///< see describe()
+  double max_gap = 0.5;
+  double min_step = 0.02;
 
   void describe(common::OptionVisitor& visit) {
     visit.real("max_gap", max_gap, {0.0, 10.0}, "s",
                "A pose is interpolated only between neighbours of the other trajectory at most this far away in time.");
+    visit.real("min_step", min_step, {0.0, 10.0}, "m",
+               "A pair nearer than this (by the laser) to the last one that counts does not count: a robot that stands "
+               "must not outvote its own drive.");
   }
 };
 
@@ -30,5 +34,8 @@ struct PosePair {
 /// time; none if the two have no time in common.
 std::vector<PosePair> pair_trajectories(const common::Trajectory2& laser, const common::Trajectory2& visual,
                                         const PairingOptions& options);
+
+/// The pairs at least `options.min_step` of laser motion apart from the one kept before; the first is kept.
+std::vector<PosePair> without_standstill(const std::vector<PosePair>& pairs, const PairingOptions& options);
 
 }  // namespace slamfuse::fusion

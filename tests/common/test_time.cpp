@@ -28,6 +28,14 @@ TEST(ParseDecimalSeconds, RefusesWhatIsNoFiniteNumberThatFits) {
   }
 }
 
+TEST(ParseDecimalSeconds, RefusesTimesSoFarOffThatDifferencesOfTwoCouldOverflow) {
+  EXPECT_EQ(parse_decimal_seconds("4000000000"), kLatestStamp);
+  EXPECT_EQ(parse_decimal_seconds("-4000000000"), -kLatestStamp);
+  for (const char* text : {"4000000000.000000001", "-4000000000.1", "9223372036", "-9223372036"}) {
+    EXPECT_EQ(parse_decimal_seconds(text), std::nullopt) << text;
+  }
+}
+
 TEST(FormatSeconds, WritesNineDecimalsAndReadsBackTheSame) {
   EXPECT_EQ(format_seconds(1700000000005000000), "1700000000.005000000");
   for (const Nanoseconds t :

@@ -80,12 +80,19 @@ INSTANTIATE_TEST_SUITE_P(
                     BadText{"1 0 nan 0\n", "column 3 is 'nan', expected a finite number"},
                     BadText{"1 0 0 inf\n", "column 4 is 'inf'"}, BadText{"1 0 0 1e999\n", "column 4 is '1e999'"},
                     BadText{"1 0 0x1 0\n", "column 3 is '0x1'"}, BadText{"now 0 0 0\n", "column 1 is 'now'"},
+                    BadText{"9223372036 0 0 0\n", "column 1 is '9223372036'"},
                     BadText{"1 0 0 0 0 0 0 0\n", "the quaternion's length is 0"},
                     BadText{"1 0 0 0 0 0 0 1.002\n", "the quaternion's length is 1.002"}));
 
+TEST(ReadTrajectory, RefusesALineWithoutEnd) {
+  const auto trajectory = read_text("1 0 0 0\n" + std::string((std::size_t{1} << 20) + 1, '1'));
+
+  EXPECT_THAT(trajectory.error().message, HasSubstr("path.tum:2: line longer than 1048576 characters"));
+}
+
 TEST(ReadTrajectory, RefusesMissingFilesAndFolders) {
-  EXPECT_THAT(read_trajectory("/no/such/path.tum").error().message, HasSubstr("/no/such/path.tum: cannot be opened"));
-  EXPECT_THAT(read_trajectory(testing::TempDir()).error().message, HasSubstr("is a folder"));
+  EXPECT_THAT(read_trajectory("/no/such/path.tum").error().message, HasSubstr("/no/such/path.tum: no such file"));
+  EXPECT_THAT(read_trajectory(testing::TempDir()).error().message, HasSubstr("not a regular file"));
 }
 
 TEST(ToTum, WritesNineDecimalsAndReadsBackTheSame) {

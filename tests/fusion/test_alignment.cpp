@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/angle.hpp"
+#include "common/config.hpp"
 #include "fusion/synthetic_trajectory.hpp"
 
 namespace slamfuse::fusion {
@@ -206,6 +207,45 @@ TEST(AlignTrajectories, GivesTheSameBytesEveryTime) {
   EXPECT_EQ(std::memcmp(a.map.linear.data(), b.map.linear.data(), sizeof(double) * 4), 0);
   EXPECT_EQ(a.heldout_rmse, b.heldout_rmse);
   EXPECT_EQ(a.covariance, b.covariance);
+}
+
+TEST(AlignTrajectories, StandingStillMostOfTheTimeDoesNotHideTheDrive) {
+  common::Trajectory2 laser = flat_path();
+  const common::StampedPose2 first = laser.front();
+  for (int i = 1; i <= 900; ++i) laser.insert(laser.begin(), {first.stamp - i * kTestStep, first.pose});
+  TestNoise random(7);
+  for (common::StampedPose2& pose : laser) {
+    pose.pose.x += 0.005 * random.normal();
+    pose.pose.y += 0.005 * random.normal();
+  }
+  const auto visual = visual_path(laser, stretched_map(30.0, 2.0, 2.0, 2.0, -3.0), 0.01, 0.0, 45);
+
+  const Alignment alignment = align_trajectories(laser, visual, {});
+
+  ASSERT_TRUE(alignment.accepted) << alignment.reason;
+  EXPECT_LT(angle_error_deg(alignment, 30.0), 0.2);
+  EXPECT_NEAR(alignment.mean_scale / 2.0, 1.0, 0.005);
+}
+
+TEST(AlignTrajectories, CoordinatesTooLargeToSquareAreRefused) {
+  for (const AlignmentMethod method : {AlignmentMethod::kAuto, AlignmentMethod::kSeed004}) {
+    common::Trajectory2 laser = flat_path(100);
+    for (common::StampedPose2& pose : laser) pose.pose.x *= 1e200;
+    common::Trajectory2 visual = flat_path(100);
+    visual[50].pose.y = -1.7e308;
+
+    const Alignment alignment = align_trajectories(laser, visual, with_method(method));
+
+    EXPECT_FALSE(alignment.accepted) << to_string(method);
+    EXPECT_THAT(alignment.reason, testing::Not(testing::IsEmpty()));
+  }
+}
+
+TEST(AlignmentOptions, AreAllInTheConfiguration) {
+  AlignmentOptions options;
+  const std::string yaml = common::options_to_yaml([&](common::OptionVisitor& visit) { options.describe(visit); });
+
+  EXPECT_THAT(yaml, HasSubstr("affine_straightness_ratio: 0.2"));
 }
 
 }  // namespace

@@ -65,6 +65,7 @@ void append(DriveLog& run, const FusionOutput& output, const common::Pose2& trut
 /// Which messages a run gets, and how they are tampered with; returning false withholds one.
 struct Scenario {
   bool with_odometry = true;
+  int odometry_from = 0;  ///< step of its first message
   std::function<bool(int, common::PoseEstimate&)> laser = [](int, common::PoseEstimate&) { return true; };
   std::function<bool(int, common::PoseEstimate&)> visual = [](int, common::PoseEstimate&) { return true; };
 };
@@ -77,7 +78,7 @@ DriveLog drive(Fusion& fusion, int steps, const Scenario& scenario) {
   for (int step = 0; step < steps; ++step) {
     const common::Pose2 truth = simulation.truth(step);
     const common::WheelOdometry odometry = simulation.odometry(step);
-    if (scenario.with_odometry) append(run, fusion.process(odometry), truth, step);
+    if (scenario.with_odometry && step >= scenario.odometry_from) append(run, fusion.process(odometry), truth, step);
     if (step % kLaserEvery == 0) {
       common::PoseEstimate laser = simulation.laser(step);
       if (scenario.laser(step, laser)) append(run, fusion.process(laser), truth, step);
@@ -136,6 +137,64 @@ TEST(Fusion, WithoutOdometryThePoseFollowsTheLaser) {
   ASSERT_EQ(run.poses.size(), 300u);
   EXPECT_LT(run.rmse(), 0.06);
   EXPECT_EQ(run.poses.back().T_map_odom.vector(), run.poses.back().estimate.pose.vector());
+}
+
+TEST(Fusion, OdometryThatStartsLateAndFarFromItsOriginMovesNothing) {
+  const auto fusion = make_fusion();
+
+  const DriveLog run = drive(*fusion, 400, {.odometry_from = 42, .visual = silent});
+
+  EXPECT_LT(run.worst(0, 400), 0.25);
+  EXPECT_FALSE(run.has_event("raw_jump"));
+}
+
+TEST(Fusion, TheFinalPathHoldsWhereOdometryHadNotStartedYet) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+  common::Trajectory2 laser_final;
+  const auto exact = [&](int step, common::PoseEstimate& laser) {
+    laser.pose = simulation.truth(step);
+    laser_final.push_back({laser.stamp, laser.pose});
+    return true;
+  };
+  const DriveLog run = drive(*fusion, 200, {.odometry_from = 42, .laser = exact, .visual = silent});
+
+  const FusionResult result = fusion->finish(laser_final, {});
+
+  ASSERT_EQ(result.fused_final.size(), run.poses.size());
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    const Eigen::Vector2d truth = simulation.truth(run.steps[i]).translation();
+    EXPECT_LT((result.fused_final[i].pose.translation() - truth).norm(), 0.1) << "step " << run.steps[i];
+  }
+}
+
+TEST(Fusion, AVisualPoseThatComesLateDoesNotMakeAFreshLaserPoseOld) {
+  const auto fusion = make_fusion();
+  SimulatedDrive simulation;
+  drive(*fusion, 1200, {});  // aligned by now
+  std::vector<common::PoseEstimate> waiting;
+  DriveLog run;
+
+  SimulatedDrive again;
+  for (int step = 0; step < 1400; ++step) {
+    const common::WheelOdometry odometry = again.odometry(step);
+    const common::PoseEstimate laser = again.laser(step);
+    const common::PoseEstimate visual = again.visual(step);
+    if (step < 1200) continue;
+    const common::Pose2 truth = again.truth(step);
+    append(run, fusion->process(odometry), truth, step);
+    if (step % kLaserEvery == 0) append(run, fusion->process(laser), truth, step);
+    if (step % kVisualEvery != 0) continue;
+    waiting.push_back(visual);
+    if (waiting.size() <= 7) continue;  // 35 steps are 1.75 s
+    append(run, fusion->process(waiting.front()), truth, step);
+    waiting.erase(waiting.begin());
+  }
+
+  ASSERT_FALSE(run.poses.empty());
+  for (const CorrectedPose& pose : run.poses) {
+    EXPECT_EQ(pose.estimate.state, common::TrackingState::kTracking) << pose.estimate.stamp;
+  }
 }
 
 TEST(Fusion, OneBadMeasurementNeverMakesAJump) {

@@ -68,5 +68,19 @@ TEST(PairTrajectories, GivesNothingWithoutCommonTime) {
   EXPECT_TRUE(pair_trajectories({}, line(0, kSecond, 5), {}).empty());
 }
 
+TEST(WithoutStandstill, KeepsOnePairOfAStandAndEveryPairOfADrive) {
+  std::vector<PosePair> pairs;
+  for (const double x : {0.0, 0.01, 0.0, 0.015, 0.05, 0.10, 0.11, 0.15}) pairs.push_back({0, {x, 0, 0}, {}});
+  PairingOptions options;
+  options.min_step = 0.02;
+
+  const auto moving = without_standstill(pairs, options);
+
+  ASSERT_EQ(moving.size(), 4u);
+  EXPECT_EQ(moving[1].laser.x, 0.05);
+  EXPECT_EQ(moving[3].laser.x, 0.15);
+  EXPECT_TRUE(without_standstill({}, options).empty());
+}
+
 }  // namespace
 }  // namespace slamfuse::fusion
