@@ -176,8 +176,8 @@ TEST_F(CarmenRecordingTest, RejectsGarbledAndCutLinesAndGoesOn) {
 TEST_F(CarmenRecordingTest, RejectsImpossibleRobotLaser1Geometry) {
   const std::string good = "ROBOTLASER1 0 -1 2 1 10 0.01 0 3 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1.0 host 0.7\n";
   for (const char* const geometry : {"-1 2 0 10", "-1 2 9 10", "-1 2 1 0", "-99 2 1 10", "-1.1 2 1 10"}) {
-    const Contents contents =
-        read(good + std::string("ROBOTLASER1 0 ") + geometry + " 0.01 0 3 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1.0 host 0.7\n");
+    const Contents contents = read(good + std::string("ROBOTLASER1 0 ") + geometry +
+                                   " 0.01 0 3 1 1 1 0 0 0 0 0 0 0 0 0 0 0 0 1.0 host 0.7\n");
     EXPECT_EQ(contents.messages.size(), 2U) << geometry;
     EXPECT_EQ(contents.rejected.size(), 1U) << geometry;
   }
