@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/options.hpp"
+#include "laser_slam/localization_options.hpp"
 #include "laser_slam/loop_detector_options.hpp"
 #include "laser_slam/map_options.hpp"
 #include "laser_slam/motion_model_options.hpp"
@@ -28,6 +29,7 @@ struct LaserSlamOptions {
   MotionModelOptions motion;
   ScanMatcherOptions matcher;
   LoopDetectorOptions loops;
+  LocalizationOptions localization;
 
   void describe(common::OptionVisitor& visit) {
     visit.integer("particles", particles, {1, 1000}, "", "Hypotheses of the whole path, each with its own map.");
@@ -55,6 +57,7 @@ struct LaserSlamOptions {
     visit.nested("motion", motion, "Uncertainty of the motion between two scans.");
     visit.nested("matcher", matcher, "Scan matching.");
     visit.nested("loops", loops, "Recognition of places seen long ago.");
+    visit.nested("localization", localization, "Localisation in a finished map.");
   }
 };
 

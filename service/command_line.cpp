@@ -99,8 +99,15 @@ class RunFlags {
         ->required();
     command_->add_option("-o,--out", request_.out, "Folder for the results")->required();
     configuration_.add_to(*command_);
-    command_->add_option("--mode", mode_, "slam: make a map")->check(CLI::IsMember({"slam", "localization"}));
-    command_->add_option("--map", map_, "Map bundle of an earlier run whose laser map is continued");
+    command_
+        ->add_option("--mode", mode_,
+                     "slam: make a map; localization: the laser finds itself in --map, which stays as it is, while "
+                     "visual SLAM makes a new map of its own that is aligned to it")
+        ->check(CLI::IsMember({"slam", "localization"}))
+        ->capture_default_str();
+    command_->add_option("--map", map_,
+                         "Map bundle of an earlier run, to continue its laser map or to localise in it; localization "
+                         "takes a map of Nav2 as well (its YAML file, or its folder)");
     command_->add_option("--modules", request_.modules, "Which halves run: laser,visual (default: all with a sensor)")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -131,7 +138,8 @@ class RunFlags {
 
   Result<CommandRequest> request() {
     if (mode_ == "localization") {
-      return common::usage_error("--mode localization: not available in this version, only slam");
+      if (!map_) return common::usage_error("--mode localization: needs the --map to localise in");
+      request_.mode = RunMode::kLocalization;
     }
     if (visual_odometry_ == "off") {
       return common::usage_error(

@@ -12,16 +12,23 @@
 
 namespace slamfuse::service {
 
+/// What the laser half does.
+enum class RunMode {
+  kSlam,          ///< makes a map
+  kLocalization,  ///< finds itself in a finished one, which does not change
+};
+
 /// What `slamfuse run` was asked for.
 struct RunRequest {
   std::filesystem::path recording;
   std::filesystem::path out;
   Configuration configuration;
-  std::optional<std::filesystem::path> map;     ///< a map bundle to continue in
-  std::vector<std::string> modules;             ///< "laser", "visual"; empty: all that the recording has sensors for
-  std::vector<std::string> cameras;             ///< sensor names; empty: all
-  double from = 0.0;                            ///< [s] from the recording's start
-  std::optional<double> to;                     ///< [s] from the recording's start
+  RunMode mode = RunMode::kSlam;
+  std::optional<std::filesystem::path> map;  ///< to continue in (a bundle), or to localise in (read_localization_map)
+  std::vector<std::string> modules;          ///< "laser", "visual"; empty: all that the recording has sensors for
+  std::vector<std::string> cameras;          ///< sensor names; empty: all
+  double from = 0.0;                         ///< [s] from the recording's start
+  std::optional<double> to;                  ///< [s] from the recording's start
   std::map<std::string, double> arrival_delay;  ///< [s] by sensor name
   std::map<std::string, double> stamp_offset;   ///< [s] by sensor name
   int threads = 1;

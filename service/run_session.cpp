@@ -13,6 +13,7 @@
 
 #include "common/replay.hpp"
 #include "service/map_bundle.hpp"
+#include "service/map_source.hpp"
 #include "service/pipeline.hpp"
 #include "service/run_accuracy.hpp"
 
@@ -90,7 +91,7 @@ common::Result<RunSession> RunSession::create(const RunRequest& request) {
 
   if (auto made = session.make_laser(); !made) return tl::unexpected(made.error());
   if (auto made = session.make_visual(); !made) return tl::unexpected(made.error());
-  if (!session.laser_ && !session.visual_) {
+  if (!session.laser() && !session.visual_) {
     return common::invalid_input(request.recording.string() + ": neither a laser nor a camera, nothing to do");
   }
   if (auto restored = session.restore_map(); !restored) return tl::unexpected(restored.error());
@@ -105,11 +106,23 @@ common::Result<void> RunSession::make_laser() {
   if (!takes_part(request_, "laser", !lasers.empty())) return {};
   if (lasers.empty())
     return common::invalid_input(request_.recording.string() + ": --modules laser, but no laser in it");
+  if (request_.mode == RunMode::kLocalization) return make_localization(lasers.front());
   auto laser =
       laser_slam::LaserSlam::create(request_.configuration.laser, lasers.front(),
                                     recording().calibration.lasers.at(lasers.front()), request_.seed, request_.threads);
   if (!laser) return tl::unexpected(laser.error());
   laser_ = std::move(*laser);
+  return {};
+}
+
+common::Result<void> RunSession::make_localization(const std::string& sensor) {
+  auto map = read_localization_map(*request_.map);
+  if (!map) return tl::unexpected(map.error());
+  auto localization = laser_slam::LaserLocalization::create(
+      request_.configuration.laser, sensor, recording().calibration.lasers.at(sensor), *map, request_.seed);
+  if (!localization) return tl::unexpected(localization.error());
+  localization_ = std::move(*localization);
+  localization_state_ = std::move(map->laser_state);
   return {};
 }
 
@@ -135,8 +148,8 @@ common::Result<void> RunSession::make_visual() {
 }
 
 common::Result<void> RunSession::restore_map() {
-  if (!request_.map) return {};
-  if (!laser_) return common::usage_error("--map: continuing in a map needs the laser module");
+  if (!request_.map || localization_) return {};
+  if (!laser_) return common::usage_error("--map: continuing or localising in a map needs the laser module");
   auto bundle = read_map_bundle(*request_.map);
   if (!bundle) return tl::unexpected(bundle.error());
   if (bundle->laser_state.empty()) return common::invalid_input(request_.map->string() + ": holds no laser map");
@@ -153,7 +166,7 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
 
   TrajectoryFusion fusion(*fusion_);
   PipelineParts parts{recording_.get(), {}, &fusion, &observers};
-  if (laser_) parts.modules.push_back({laser_.get(), [this] { return laser_->grid(); }});
+  if (laser()) parts.modules.push_back({laser(), [this] { return grid(); }});
   if (visual_) parts.modules.push_back({visual_.get(), nullptr});
 
   const ServiceOptions& service = request_.configuration.service;
@@ -184,24 +197,30 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   return summary;
 }
 
+common::SlamModule* RunSession::laser() const {
+  return localization_ ? static_cast<common::SlamModule*>(localization_.get()) : laser_.get();
+}
+
+common::OccupancyGrid RunSession::grid() const { return localization_ ? localization_->grid() : laser_->grid(); }
+
 void RunSession::gather(RunSummary& summary) const {
-  const auto laser_final = laser_ ? laser_->final_trajectory() : common::Trajectory2{};
+  const auto laser_final = laser() ? laser()->final_trajectory() : common::Trajectory2{};
   const auto visual_final = visual_ ? visual_->final_trajectory() : common::Trajectory2{};
   const auto fused = fusion_->finish(laser_final, visual_final);
-  if (laser_ && visual_) summary.alignment = fused.alignment;
+  if (laser() && visual_) summary.alignment = fused.alignment;
   summary.log.events.insert(summary.log.events.end(), fused.events.begin(), fused.events.end());
 
   for (const auto source : {PoseSource::kOdometry, PoseSource::kLaser, PoseSource::kVisual, PoseSource::kFused}) {
     const bool ran = summary.counters.contains(source) || summary.log.trajectories.contains(source);
     if (ran) summary.trajectories.push_back({common::to_string(source), summary.log.trajectories[source]});
   }
-  if (laser_) summary.trajectories.push_back({"laser_final", laser_final});
+  if (laser()) summary.trajectories.push_back({"laser_final", laser_final});
   if (visual_) summary.trajectories.push_back({"visual_final", visual_final});
   summary.trajectories.push_back({"fused_final", fused.fused_final});
 
-  if (laser_) {
-    summary.grid = laser_->grid();
-    summary.laser_state = laser_->serialize().value_or(std::string());
+  if (laser()) {
+    summary.grid = grid();
+    summary.laser_state = laser_ ? laser_->serialize().value_or(std::string()) : localization_state_;
   }
   if (visual_) summary.landmarks = visual_->landmarks();
 }

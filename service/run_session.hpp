@@ -4,10 +4,12 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "common/error.hpp"
 #include "common/recording.hpp"
 #include "fusion/fusion.hpp"
+#include "laser_slam/laser_localization.hpp"
 #include "laser_slam/laser_slam.hpp"
 #include "service/pipeline_observer.hpp"
 #include "service/run_request.hpp"
@@ -36,13 +38,19 @@ class RunSession {
  private:
   explicit RunSession(const RunRequest& request) : request_(request) {}
   common::Result<void> make_laser();
+  common::Result<void> make_localization(const std::string& sensor);
   common::Result<void> make_visual();
   common::Result<void> restore_map();
+  /// The laser half, whichever it is; null without one.
+  common::SlamModule* laser() const;
+  common::OccupancyGrid grid() const;
   void gather(RunSummary& summary) const;
 
   RunRequest request_;
   std::unique_ptr<common::Recording> recording_;
-  std::unique_ptr<laser_slam::LaserSlam> laser_;
+  std::unique_ptr<laser_slam::LaserSlam> laser_;  // in mode slam
+  std::unique_ptr<laser_slam::LaserLocalization> localization_;
+  std::string localization_state_;  // of the map localised in, to be handed on as it is
   std::unique_ptr<visual_slam::VisualSlam> visual_;
   std::unique_ptr<fusion::Fusion> fusion_;
 };

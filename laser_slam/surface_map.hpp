@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "common/occupancy_grid.hpp"
+#include "laser_slam/grid_map.hpp"
+
+namespace slamfuse::laser_slam {
+
+/// A map to match scans in, made from a finished occupancy grid: every occupied cell becomes a surface point at its
+/// centre. Cells of 65 percent and more are occupied. Coarser than a map that was drawn from scans, whose cells know
+/// where in them the beams ended.
+GridMap surface_map(const common::OccupancyGrid& grid, MapOptions options);
+
+}  // namespace slamfuse::laser_slam
