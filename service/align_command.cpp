@@ -43,7 +43,7 @@ common::Result<std::string> run_align(const AlignRequest& request) {
   if (!laser) return tl::unexpected(laser.error());
   const auto visual = common::read_trajectory(request.visual);
   if (!visual) return tl::unexpected(visual.error());
-  auto folder = OutputFolder::create(request.out);
+  auto folder = OutputFolder::create(request.out, ResultKind::kAlignment);
   if (!folder) return tl::unexpected(folder.error());
 
   const fusion::SpatialAlignment aligned = fusion::align_spatial(*laser, *visual, request.options);

@@ -231,6 +231,9 @@ class EvaluateFlags {
       return common::usage_error("evaluate: give a REFERENCE, or --relations, or both");
     }
     if (!align_as_.empty() && reference_.empty()) return common::usage_error("--align-as: needs a REFERENCE");
+    if (!align_as_.empty() && align_ == "none") {
+      return common::usage_error("--align none: with --align-as only se2 or sim2, which say how that pair is fitted");
+    }
     if (!reference_.empty()) request_.reference = reference_;
     if (!relations_.empty()) request_.relations = relations_;
     if (!align_as_.empty()) request_.align_as = {align_as_[0], align_as_[1]};

@@ -50,7 +50,8 @@ bool write_all(int file, std::string_view content) {
 }
 
 fs::path temporary_name(const fs::path& path) { return path.string() + ".partial"; }
-fs::path old_name(const fs::path& path) { return path.string() + ".old"; }
+/// A name that nobody else gives to anything.
+fs::path old_name(const fs::path& path) { return path.string() + fmt::format(".slamfuse-old-{}", ::getpid()); }
 
 }  // namespace
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <type_traits>
 #include <variant>
 
@@ -21,19 +24,8 @@ using slamfuse::common::Result;
 namespace service = slamfuse::service;
 
 std::atomic<bool> stop_requested{false};
+std::atomic<bool> run_under_way{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
-
-/// The first Ctrl-C asks for an orderly end, a second one ends the program at once.
-extern "C" void request_stop(int signal) {
-  stop_requested = true;
-  std::signal(signal, SIG_DFL);
-}
-
-void install_signal_handlers() {
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is an error of write(), like a full disk
-}
 
 int exit_status_of(ErrorKind kind) {
   switch (kind) {
@@ -49,17 +41,36 @@ int exit_status_of(ErrorKind kind) {
   return 1;
 }
 
+/// The first Ctrl-C asks a run for an orderly end; a second one, or one at any other time, when there is nothing to
+/// save, ends the program at once.
+extern "C" void request_stop(int) {
+  if (!run_under_way || stop_requested.exchange(true)) std::_Exit(exit_status_of(ErrorKind::kInterrupted));
+}
+
+void install_signal_handlers() {
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is an error of write(), like a full disk
+}
+
 /// Carries a request out; the text is for standard output.
 Result<std::string> carry_out(const service::CommandRequest& request) {
   if (const auto* run = std::get_if<service::RunRequest>(&request)) {
     std::optional<service::ProgressLine> progress;
     if (service::ProgressLine::is_wanted()) progress.emplace();
-    return service::run_recording(*run, progress ? &*progress : nullptr, stop_requested);
+    return service::run_recording(*run, progress ? &*progress : nullptr, stop_requested, [] { run_under_way = true; });
   }
   if (const auto* align = std::get_if<service::AlignRequest>(&request)) return service::run_align(*align);
   if (const auto* evaluate = std::get_if<service::EvaluateRequest>(&request)) return service::run_evaluate(*evaluate);
   if (const auto* info = std::get_if<service::InfoRequest>(&request)) return service::run_info(*info);
   return std::get<service::PrintRequest>(request).text;
+}
+
+/// Prints the outcome; gives the exit status.
+int print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return 0;
+  fmt::print(stderr, "slamfuse: cannot write to standard output: {}\n", std::generic_category().message(errno));
+  return exit_status_of(ErrorKind::kFailed);
 }
 
 }  // namespace
@@ -73,8 +84,7 @@ int main(int argc, char** argv) {
       fmt::print(stderr, "slamfuse: {}\n", outcome.error().message);
       return exit_status_of(outcome.error().kind);
     }
-    fmt::print("{}", *outcome);
-    return 0;
+    return print(*outcome);
   } catch (const std::exception& exception) {
     std::fprintf(stderr, "slamfuse: internal error: %s\n", exception.what());
     return exit_status_of(ErrorKind::kFailed);

@@ -120,6 +120,15 @@ bool is_map_bundle(const fs::path& path) {
   return fs::is_regular_file(path / kMapYaml, error);
 }
 
+std::vector<std::string> files_of_map_bundle(const fs::path& path) {
+  const auto yaml = read_bounded(path / kMapYaml, kMaxMapYamlBytes);
+  const auto summary = yaml ? parse_map_yaml(*yaml) : tl::unexpected(yaml.error());
+  if (!summary) return {};
+  std::vector<std::string> names{kMapYaml};
+  for (const auto& file : summary->files) names.push_back(file.name);
+  return names;
+}
+
 common::Result<LoadedMapBundle> read_map_bundle(const fs::path& path) {
   const auto yaml = read_bounded(path / kMapYaml, kMaxMapYamlBytes);
   if (!yaml) return tl::unexpected(yaml.error());

@@ -60,6 +60,9 @@ struct LoadedMapBundle {
 /// Whether the folder looks like a map bundle: it has a map.yaml.
 bool is_map_bundle(const std::filesystem::path& path);
 
+/// The names of the files in the bundle in this folder, map.yaml included; empty when it is not a readable bundle.
+std::vector<std::string> files_of_map_bundle(const std::filesystem::path& path);
+
 /// Reads a bundle and checks every file against its length and checksum. Errors (kInvalidInput, naming the file): not a
 /// bundle, a file missing, cut, altered, larger than kMaxMapFileBytes, or of a newer format.
 common::Result<LoadedMapBundle> read_map_bundle(const std::filesystem::path& path);

@@ -2,7 +2,6 @@
 #include "service/output_folder.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -17,12 +16,6 @@ namespace slamfuse::service {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Everything the commands write: what a new run may remove of an older one's.
-constexpr std::array kResultNames{
-    "odometry.tum",     "laser.tum",          "visual.tum",      "fused.tum", "laser_final.tum",
-    "visual_final.tum", "fused_final.tum",    "status.csv",      "map",       "metrics.json",
-    "report.html",      "visual_aligned.tum", "trajectories.svg"};
 
 tl::unexpected<common::Error> not_writable(const fs::path& path, const std::error_code& error) {
   return common::invalid_input(
@@ -42,22 +35,25 @@ fs::path outermost_missing(fs::path path) {
 
 }  // namespace
 
-common::Result<std::unique_ptr<OutputFolder>> OutputFolder::create(const fs::path& path) {
+common::Result<std::unique_ptr<OutputFolder>> OutputFolder::create(const fs::path& path, ResultKind kind) {
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error).lexically_normal();
   if (error) return not_writable(path, error);
+  if (auto checked = check_replaceable(absolute, kind); !checked) return tl::unexpected(checked.error());
   const fs::path first_created = outermost_missing(absolute);
   fs::create_directories(absolute, error);
   if (error) return not_writable(path, error);
-  std::unique_ptr<OutputFolder> folder(new OutputFolder(absolute, first_created));
+  std::unique_ptr<OutputFolder> folder(new OutputFolder(absolute, first_created, kind));
+  fs::remove_all(folder->staging_, error);  // of a process of the same number that was killed
   fs::create_directory(folder->staging_, error);
   if (error) return not_writable(path, error);
   return folder;
 }
 
-OutputFolder::OutputFolder(fs::path path, fs::path first_created)
+OutputFolder::OutputFolder(fs::path path, fs::path first_created, ResultKind kind)
     : path_(std::move(path)),
       first_created_(std::move(first_created)),
+      kind_(kind),
       staging_(path_ / fmt::format(".slamfuse-{}", ::getpid())) {}
 
 OutputFolder::~OutputFolder() {
@@ -80,7 +76,7 @@ common::Result<void> OutputFolder::publish() {
   if (error) return common::failed(fmt::format("cannot read {}: {}", staging_.string(), error.message()));
   std::sort(made.begin(), made.end());
 
-  for (const std::string name : kResultNames) {
+  for (const std::string& name : result_names(kind_)) {
     if (std::find(made.begin(), made.end(), name) == made.end()) fs::remove_all(path_ / name, error);
   }
   for (const auto& name : made) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/error.hpp"
+#include "service/result_names.hpp"
 
 namespace slamfuse::service {
 
@@ -16,9 +17,9 @@ namespace slamfuse::service {
 /// disk, an error or a crash never leaves half a result, nor a mixture with older results.
 class OutputFolder {
  public:
-  /// Creates the folder (and its parents) if it is not there and makes sure that it can be written to. Errors
-  /// (kInvalidInput): it cannot.
-  static common::Result<std::unique_ptr<OutputFolder>> create(const std::filesystem::path& path);
+  /// Creates the folder (and its parents) if it is not there and makes sure that it can be written to and that only
+  /// older results of this kind will be lost, see check_replaceable(). Errors (kInvalidInput): it is not so.
+  static common::Result<std::unique_ptr<OutputFolder>> create(const std::filesystem::path& path, ResultKind kind);
   /// What was not published vanishes, and so do folders that create() made and that are still empty.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -36,10 +37,11 @@ class OutputFolder {
   common::Result<void> publish();
 
  private:
-  OutputFolder(std::filesystem::path path, std::filesystem::path first_created);
+  OutputFolder(std::filesystem::path path, std::filesystem::path first_created, ResultKind kind);
 
   std::filesystem::path path_;
   std::filesystem::path first_created_;  // the outermost folder that create() made, empty if none
+  ResultKind kind_;
   std::filesystem::path staging_;
 };
 

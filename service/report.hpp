@@ -43,13 +43,13 @@ struct ReportSource {
 
 /// One row of the accuracy table, as in metrics.json.
 struct ReportAccuracy {
-  std::string name;           ///< "odometry", "laser", "visual", "fused", "laser_final", ...
-  std::string align;          ///< "se2", "sim2", "none", "as"
-  double ate_rmse = 0.0;      ///< [m]
-  double ate_max = 0.0;       ///< [m]
-  double heading_rmse = 0.0;  ///< [rad]
-  double rpe_percent = 0.0;
-  double coverage = 0.0;  ///< 0..1
+  std::string name;                   ///< "odometry", "laser", "visual", "fused", "laser_final", ...
+  std::string align;                  ///< "se2", "sim2", "none", "as"
+  double ate_rmse = 0.0;              ///< [m]
+  double ate_max = 0.0;               ///< [m]
+  double heading_rmse = 0.0;          ///< [rad]
+  std::optional<double> rpe_percent;  ///< none when the path is too short for it
+  double coverage = 0.0;              ///< 0..1
 };
 
 /// One row of the module table, as in metrics.json.

@@ -49,15 +49,16 @@ std::string accuracy_table(const ReportData& data) {
   std::vector<Row> rows;
   for (const ReportAccuracy& row : data.accuracy) {
     rows.push_back({row.name, row.align, number(row.ate_rmse, 3), number(row.ate_max, 3),
-                    number(common::to_degrees(row.heading_rmse), 2), number(row.rpe_percent, 2),
-                    percent(row.coverage)});
+                    number(common::to_degrees(row.heading_rmse), 2),
+                    row.rpe_percent ? number(*row.rpe_percent, 2) : "-", percent(row.coverage)});
   }
   return table("figures",
                {"path", "fitted by", "error rms [m]", "largest [m]", "heading rms [deg]", "drift [%]", "coverage [%]"},
                rows) +
          sentence(
              "Error: distance from the truth after the best fit of the whole path (se2: turn and shift, sim2: scale "
-             "too). Drift: relative pose error. Coverage: share of the time with a pose that was not LOST. Paths "
+             "too). Drift: relative pose error, \"-\" on a path too short for it. Coverage: share of the time with a "
+             "pose that was not LOST. Paths "
              "named final are as known at the end of the run, the others as known at each moment.");
 }
 

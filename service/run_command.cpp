@@ -2,7 +2,9 @@
 #include "service/run_command.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -63,10 +65,15 @@ void tell_failures(const DdsPublisher& publisher, RunSummary& summary) {
 }  // namespace
 
 common::Result<std::string> run_recording(const RunRequest& request, PipelineObserver* progress,
-                                          const std::atomic<bool>& stop) {
+                                          const std::atomic<bool>& stop, const std::function<void()>& on_started) {
   auto session = RunSession::create(request);
   if (!session) return tl::unexpected(session.error());
-  const auto folder = OutputFolder::create(request.out);
+  std::error_code error;
+  if (std::filesystem::equivalent(request.out, request.recording, error)) {
+    return common::invalid_input(request.out.string() + ": the output folder must not be the recording itself");
+  }
+  on_started();
+  const auto folder = OutputFolder::create(request.out, ResultKind::kRun);
   if (!folder) return tl::unexpected(folder.error());
 
   const auto publisher = make_publisher(request, *session);

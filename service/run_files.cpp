@@ -58,7 +58,8 @@ common::Result<void> write_run_files(const RunSummary& summary, OutputFolder& fo
 }
 
 std::string trajectory_file(const common::Trajectory2& trajectory, std::uint64_t seed, bool incomplete) {
-  return fmt::format("# slamfuse {} seed {}{}\n", program_version(), seed, incomplete ? " incomplete" : "") +
+  return kTrajectoryFileStart +
+         fmt::format(" {} seed {}{}\n", program_version(), seed, incomplete ? " incomplete" : "") +
          common::to_tum(trajectory);
 }
 

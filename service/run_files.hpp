@@ -16,6 +16,9 @@ namespace slamfuse::service {
 /// that did not run gets no file. Errors (kFailed): e.g. disk full.
 common::Result<void> write_run_files(const RunSummary& summary, OutputFolder& folder);
 
+/// How every trajectory file of ours begins.
+inline const std::string kTrajectoryFileStart = "# slamfuse";
+
 /// A trajectory file: TUM text under a comment line with version and seed, "incomplete" added where it is so.
 std::string trajectory_file(const common::Trajectory2& trajectory, std::uint64_t seed, bool incomplete = false);
 

@@ -96,7 +96,7 @@ ReportAccuracy accuracy_of(const NamedAccuracy& row) {
   report.ate_rmse = row.accuracy.ate_rmse_m;
   report.ate_max = row.accuracy.ate_max_m;
   report.heading_rmse = common::to_radians(row.accuracy.heading_rmse_deg);
-  report.rpe_percent = row.accuracy.rpe_percent.value_or(0.0);
+  report.rpe_percent = row.accuracy.rpe_percent;
   report.coverage = row.accuracy.coverage;
   return report;
 }

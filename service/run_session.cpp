@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -73,6 +74,11 @@ common::ReplayOptions replay_options_of(const RunRequest& request) {
   return options;
 }
 
+/// More threads than processors only cost the modules memory.
+int useful_threads(const RunRequest& request) {
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, request.threads);
+}
+
 double peak_rss_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -95,7 +101,9 @@ common::Result<RunSession> RunSession::create(const RunRequest& request) {
     return common::invalid_input(request.recording.string() + ": neither a laser nor a camera, nothing to do");
   }
   if (auto restored = session.restore_map(); !restored) return tl::unexpected(restored.error());
-  auto fusion = fusion::Fusion::create(request.configuration.fusion);
+  fusion::FusionOptions options = request.configuration.fusion;
+  if (session.laser() == nullptr) options.supervision.visual_only_after = 0.0;  // there is no laser to wait for
+  auto fusion = fusion::Fusion::create(options);
   if (!fusion) return tl::unexpected(fusion.error());
   session.fusion_ = std::move(*fusion);
   return session;
@@ -107,9 +115,9 @@ common::Result<void> RunSession::make_laser() {
   if (lasers.empty())
     return common::invalid_input(request_.recording.string() + ": --modules laser, but no laser in it");
   if (request_.mode == RunMode::kLocalization) return make_localization(lasers.front());
-  auto laser =
-      laser_slam::LaserSlam::create(request_.configuration.laser, lasers.front(),
-                                    recording().calibration.lasers.at(lasers.front()), request_.seed, request_.threads);
+  auto laser = laser_slam::LaserSlam::create(request_.configuration.laser, lasers.front(),
+                                             recording().calibration.lasers.at(lasers.front()), request_.seed,
+                                             useful_threads(request_));
   if (!laser) return tl::unexpected(laser.error());
   laser_ = std::move(*laser);
   return {};
@@ -126,22 +134,28 @@ common::Result<void> RunSession::make_localization(const std::string& sensor) {
   return {};
 }
 
+common::Result<void> RunSession::check_cameras(const std::vector<std::string>& cameras) const {
+  for (const auto& name : request_.cameras) {
+    if (std::find(cameras.begin(), cameras.end(), name) != cameras.end()) continue;
+    return common::usage_error(fmt::format("--cameras: the recording has no camera '{}', it has {}", name,
+                                           cameras.empty() ? "none" : fmt::format("{}", fmt::join(cameras, ", "))));
+  }
+  return {};
+}
+
 common::Result<void> RunSession::make_visual() {
   const auto cameras = sensors_of_kind(recording(), common::SensorKind::kCamera);
+  if (auto known = check_cameras(cameras); !known) return known;
   if (!takes_part(request_, "visual", !cameras.empty())) return {};
   if (cameras.empty()) {
     return common::invalid_input(request_.recording.string() + ": --modules visual, but no camera in it");
   }
   std::map<std::string, common::CameraCalibration> chosen;
   for (const auto& name : request_.cameras.empty() ? cameras : request_.cameras) {
-    const auto calibration = recording().calibration.cameras.find(name);
-    if (calibration == recording().calibration.cameras.end()) {
-      return common::usage_error(
-          fmt::format("--cameras: the recording has no camera '{}', it has {}", name, fmt::join(cameras, ", ")));
-    }
-    chosen.insert(*calibration);
+    chosen.emplace(name, recording().calibration.cameras.at(name));
   }
-  auto visual = visual_slam::VisualSlam::create(request_.configuration.visual, chosen, request_.seed, request_.threads);
+  auto visual =
+      visual_slam::VisualSlam::create(request_.configuration.visual, chosen, request_.seed, useful_threads(request_));
   if (!visual) return tl::unexpected(visual.error());
   visual_ = std::move(*visual);
   return {};

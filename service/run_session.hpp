@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/error.hpp"
 #include "common/recording.hpp"
@@ -40,6 +41,7 @@ class RunSession {
   common::Result<void> make_laser();
   common::Result<void> make_localization(const std::string& sensor);
   common::Result<void> make_visual();
+  common::Result<void> check_cameras(const std::vector<std::string>& cameras) const;
   common::Result<void> restore_map();
   /// The laser half, whichever it is; null without one.
   common::SlamModule* laser() const;

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "system/program.hpp"
 #include "system/scratch.hpp"
@@ -39,6 +40,15 @@ TEST_P(Interruption, EndsAtFullSpeedToo) {
   const Scratch scratch;
   const Outcome outcome =
       run_program(Launch{{"run", flat().string(), "-o", (scratch / "out").string(), "--threads", GetParam()}, {}, 1.5});
+  EXPECT_EQ(outcome.exit_status, 130) << outcome.err;
+  EXPECT_LT(outcome.seconds, 2.0);
+}
+
+TEST(InterruptedCommand, EndsACommandThatWaitsForItsInput) {
+  const Scratch scratch;
+  const std::string pipe = (scratch / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const Outcome outcome = run_program(Launch{{"evaluate", pipe, pipe}, {}, 1.0});
   EXPECT_EQ(outcome.exit_status, 130) << outcome.err;
   EXPECT_LT(outcome.seconds, 2.0);
 }

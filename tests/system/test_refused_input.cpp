@@ -113,6 +113,34 @@ TEST(RefusedInput, OutputFolderThatIsNotWritable) {
   EXPECT_THAT(outcome.err, HasSubstr("cannot be written to"));
 }
 
+TEST(RefusedInput, OutputFolderThatIsTheRecording) {
+  const Scratch scratch;
+  copy_beginning_of_flat(scratch / "flat", 1.0);
+  const auto before = names_in(scratch / "flat");
+  const std::string recording = (scratch / "flat").string();
+  const Outcome outcome = run_program({"run", recording, "-o", recording});
+  EXPECT_EQ(outcome.exit_status, kInvalidInput);
+  EXPECT_THAT(outcome.err, HasSubstr("must not be the recording"));
+  EXPECT_EQ(names_in(scratch / "flat"), before);
+}
+
+TEST(RefusedInput, UnknownCameraThoughTheVisualHalfDoesNotRun) {
+  expect_refused(flat().string(), {"--modules", "laser", "--cameras", "cam7"}, kWrongUsage, {"cam7", "cam0, cam1"});
+}
+
+TEST(RefusedInput, AlignmentIntoTheFolderOfARunKeepsTheRun) {
+  const Scratch scratch;
+  const fs::path out = scratch / "out";
+  ASSERT_EQ(run_program({"run", flat().string(), "-o", out.string(), "--to", "2"}).exit_status, 0);
+  const auto names = names_in(out);
+  const std::string metrics = read_text(out / "metrics.json");
+  const Outcome outcome =
+      run_program({"align", (out / "laser.tum").string(), (out / "visual.tum").string(), "-o", out.string()});
+  EXPECT_EQ(outcome.exit_status, kInvalidInput);
+  EXPECT_EQ(names_in(out), names);
+  EXPECT_EQ(read_text(out / "metrics.json"), metrics);
+}
+
 TEST(RefusedInput, DiskFullWhileWritingTheMapLeavesNothingBehind) {
   const Scratch scratch;
   // Large enough for the trajectories of four seconds, too small for the laser map.

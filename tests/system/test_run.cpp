@@ -123,6 +123,12 @@ TEST(Run, UsesOnlyTheCamerasAskedFor) {
   EXPECT_FALSE(fs::exists(scratch / "out/laser.tum"));
 }
 
+TEST(Run, FollowsTheVisualHalfFromItsFirstPoseWithoutALaser) {
+  const Scratch scratch;
+  ASSERT_EQ(run_program(run_flat(scratch / "out", {"--to", "3", "--modules", "visual"})).exit_status, 0);
+  EXPECT_GT(read_json(scratch / "out/metrics.json")["modules"]["fusion"]["coverage"], 0.95);
+}
+
 TEST(Run, CutsTheRecordingAtTheTimesAskedFor) {
   const Scratch scratch;
   ASSERT_EQ(run_program(run_flat(scratch / "out", {"--from", "20", "--to", "23"})).exit_status, 0);
