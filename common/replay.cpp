@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <queue>
+#include <set>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -45,12 +46,13 @@ Nanoseconds value_or_zero(const BySensor& values, const std::string& sensor) {
 
 class Replay final : public Recording {
  public:
-  Replay(std::unique_ptr<Recording> source, RecordingInfo info, Nanoseconds begin, Nanoseconds end, BySensor delays,
-         BySensor offsets)
+  Replay(std::unique_ptr<Recording> source, RecordingInfo info, Nanoseconds begin, Nanoseconds end,
+         std::set<std::string> only_sensors, BySensor delays, BySensor offsets)
       : source_(std::move(source)),
         info_(std::move(info)),
         begin_(begin),
         end_(end),
+        only_sensors_(std::move(only_sensors)),
         delays_(std::move(delays)),
         offsets_(std::move(offsets)) {}
 
@@ -93,6 +95,7 @@ class Replay final : public Recording {
       source_ended_ = info_.stamp_ordered && stamp > end_ + kOutOfStep;
       return {};
     }
+    if (!only_sensors_.empty() && !only_sensors_.contains(sensor_of(**item))) return {};
     const Nanoseconds arrival = clock_ + value_or_zero(delays_, sensor_of(**item));
     waiting_.push_back({arrival, next_index_++, std::move(**item)});
     std::push_heap(waiting_.begin(), waiting_.end(), comes_later);
@@ -103,6 +106,7 @@ class Replay final : public Recording {
   RecordingInfo info_;
   Nanoseconds begin_;
   Nanoseconds end_;
+  std::set<std::string> only_sensors_;
   BySensor delays_;
   BySensor offsets_;
   std::vector<Waiting> waiting_;                                 ///< a heap, the first to arrive at its front
@@ -165,8 +169,8 @@ Result<std::unique_ptr<Recording>> replay(std::unique_ptr<Recording> recording, 
                        ", which lasts " + std::to_string(to_seconds(info.last_stamp - info.first_stamp)) + " s");
   }
   RecordingInfo played = played_info(info, begin, end, *offsets);
-  return std::make_unique<Replay>(std::move(recording), std::move(played), begin, end, std::move(*delays),
-                                  std::move(*offsets));
+  return std::make_unique<Replay>(std::move(recording), std::move(played), begin, end, options.only_sensors,
+                                  std::move(*delays), std::move(*offsets));
 }
 
 }  // namespace slamfuse::common

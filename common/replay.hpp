@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "common/error.hpp"
@@ -16,6 +17,7 @@ struct ReplayOptions {
   double from = 0.0;                            ///< [s] after the recording's start; earlier messages are left out
   std::optional<double> to;                     ///< [s] after the recording's start; later messages are left out
   std::map<std::string, double> arrival_delay;  ///< [s] 0 to 60: messages come that much later, stamps stay true
+  std::set<std::string> only_sensors;           ///< messages of others are left out, rejected ones too; empty: none are
   std::map<std::string, double> stamp_offset;   ///< [s] added to the stamps: falsifies them, the order stays
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -65,8 +66,21 @@ bool takes_part(const RunRequest& request, const std::string& module, bool has_s
   return std::find(request.modules.begin(), request.modules.end(), module) != request.modules.end();
 }
 
-common::ReplayOptions replay_options_of(const RunRequest& request) {
+/// The sensors somebody listens to: only their messages may count, and be rejected.
+std::set<std::string> sensors_in_use(const RunRequest& request, const common::RecordingInfo& info) {
+  std::set<std::string> names;
+  const auto add = [&names](const std::vector<std::string>& more) { names.insert(more.begin(), more.end()); };
+  add(sensors_of_kind(info, common::SensorKind::kOdometry));
+  const auto lasers = sensors_of_kind(info, common::SensorKind::kLaser);
+  if (!lasers.empty() && takes_part(request, "laser", true)) names.insert(lasers.front());
+  const auto cameras = sensors_of_kind(info, common::SensorKind::kCamera);
+  if (takes_part(request, "visual", !cameras.empty())) add(request.cameras.empty() ? cameras : request.cameras);
+  return names;
+}
+
+common::ReplayOptions replay_options_of(const RunRequest& request, const common::RecordingInfo& info) {
   common::ReplayOptions options;
+  options.only_sensors = sensors_in_use(request, info);
   options.from = request.from;
   options.to = request.to;
   options.arrival_delay = request.arrival_delay;
@@ -91,7 +105,8 @@ common::Result<RunSession> RunSession::create(const RunRequest& request) {
   RunSession session(request);
   auto recording = common::open_recording(request.recording);
   if (!recording) return tl::unexpected(recording.error());
-  auto replayed = common::replay(std::move(*recording), replay_options_of(request));
+  const auto replay_options = replay_options_of(request, (*recording)->info());
+  auto replayed = common::replay(std::move(*recording), replay_options);
   if (!replayed) return tl::unexpected(replayed.error());
   session.recording_ = std::move(*replayed);
 

@@ -61,6 +61,15 @@ std::vector<std::string> played(const ReplayOptions& options) {
   return result;
 }
 
+TEST(Replay, LeavesOutTheSensorsThatNobodyListensTo) {
+  ReplayOptions options;
+  options.to = 0.5;
+  options.only_sensors = {"odom0"};
+  EXPECT_THAT(played(options), ElementsAre("o0", "o100", "o200", "o300", "o400", "o500"));
+  options.only_sensors = {"laser0"};
+  EXPECT_THAT(played(options), ElementsAre("l50", "l250", "x450"));
+}
+
 TEST(Replay, ChangesNothingWithoutOptions) {
   EXPECT_THAT(played({}), ElementsAre("o0", "l50", "o100", "o200", "l250", "o300", "o400", "x450", "o500", "o600",
                                       "l650", "o700", "o800", "l850", "o900"));

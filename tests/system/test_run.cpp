@@ -123,6 +123,18 @@ TEST(Run, UsesOnlyTheCamerasAskedFor) {
   EXPECT_FALSE(fs::exists(scratch / "out/laser.tum"));
 }
 
+TEST(Run, DoesNotCountTheImagesOfACameraThatIsNotUsed) {
+  const Scratch scratch;
+  copy_beginning_of_flat(scratch / "flat", 3.0);
+  for (const auto& image : fs::directory_iterator(scratch / "flat/cam0/data")) write_text(image.path(), "broken");
+  ASSERT_EQ(run_program({"run", (scratch / "flat").string(), "-o", (scratch / "out").string(), "--cameras", "cam1"})
+                .exit_status,
+            0);
+  const auto visual = read_json(scratch / "out/metrics.json")["modules"]["visual"];
+  EXPECT_EQ(visual["inputs"], 15);
+  EXPECT_EQ(visual["rejected"], 0);
+}
+
 TEST(Run, FollowsTheVisualHalfFromItsFirstPoseWithoutALaser) {
   const Scratch scratch;
   ASSERT_EQ(run_program(run_flat(scratch / "out", {"--to", "3", "--modules", "visual"})).exit_status, 0);
