@@ -103,14 +103,15 @@ std::vector<int> ParticleFilter::choose_parents(const std::vector<Proposal>& pro
     particles_[i].log_weight += proposals[i].log_normalizer;
     particles_[i].log_evidence += proposals[i].log_normalizer;
     log_weights[i] = particles_[i].log_weight;
-    if (particles_[i].log_evidence > particles_[static_cast<std::size_t>(best_)].log_evidence)
-      best_ = static_cast<int>(i);
   }
   const std::vector<double> weights = normalized_weights(log_weights);
   effective_ = effective_number(weights);
   std::vector<int> parents(particles_.size());
   std::iota(parents.begin(), parents.end(), 0);
-  if (effective_ >= settings_.resample_threshold * static_cast<double>(particles_.size())) return parents;
+  if (effective_ >= settings_.resample_threshold * static_cast<double>(particles_.size())) {
+    best_ = most_evident();
+    return parents;
+  }
 
   parents = systematic_resampling(weights, resampling_stream_.uniform());
   std::vector<Particle> children;
@@ -120,12 +121,15 @@ std::vector<int> ParticleFilter::choose_parents(const std::vector<Proposal>& pro
     children.back().log_weight = 0.0;
   }
   particles_ = std::move(children);
-  best_ = 0;
-  for (std::size_t i = 1; i < particles_.size(); ++i) {
-    if (particles_[i].log_evidence > particles_[static_cast<std::size_t>(best_)].log_evidence)
-      best_ = static_cast<int>(i);
-  }
+  best_ = most_evident();
   return parents;
+}
+
+int ParticleFilter::most_evident() const {
+  const auto most =
+      std::max_element(particles_.begin(), particles_.end(),
+                       [](const Particle& a, const Particle& b) { return a.log_evidence < b.log_evidence; });
+  return static_cast<int>(most - particles_.begin());
 }
 
 void ParticleFilter::record(const std::vector<int>& parents) {

@@ -77,6 +77,8 @@ class ParticleFilter {
   };
   Proposal propose(const Particle& particle, const ScanBeams& scan, const MotionSinceUpdate& motion) const;
   std::vector<int> choose_parents(const std::vector<Proposal>& proposals);
+  /// The particle with the most evidence, the first of equals.
+  int most_evident() const;
   void record(const std::vector<int>& parents);
 
   FilterSettings settings_;

@@ -54,6 +54,18 @@ TEST_F(ParticleFilterTest, FollowsTheScansWhereOdometryIsWrong) {
   EXPECT_LT(filter.spread()(0, 0), 0.01);
 }
 
+TEST_F(ParticleFilterTest, CallsTheParticleWithTheMostEvidenceTheBest) {
+  for (const double threshold : {0.0, 0.5, 1.0}) {
+    ParticleFilter filter = this->filter(1, threshold);
+    for (int step = 1; step < 12; ++step) {
+      drive(filter, 1);
+      for (const Particle& particle : filter.particles()) {
+        EXPECT_LE(particle.log_evidence, filter.best().log_evidence) << "step " << step << ", threshold " << threshold;
+      }
+    }
+  }
+}
+
 TEST_F(ParticleFilterTest, GivesTheSameBitsWithAnyNumberOfThreads) {
   ParticleFilter one = filter(1, 0.9);
   drive(one, 10);
