@@ -48,7 +48,8 @@ TEST(InterruptedCommand, EndsACommandThatWaitsForItsInput) {
   const Scratch scratch;
   const std::string pipe = (scratch / "pipe").string();
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  const Outcome outcome = run_program(Launch{{"evaluate", pipe, pipe}, {}, 1.0});
+  const Outcome outcome =
+      run_program(Launch{{"run", flat().string(), "-o", (scratch / "out").string(), "--config", pipe}, {}, 1.0});
   EXPECT_EQ(outcome.exit_status, 130) << outcome.err;
   EXPECT_LT(outcome.seconds, 2.0);
 }
