@@ -2,6 +2,7 @@
 #include "laser_slam/degeneracy.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Eigenvalues>
 
@@ -16,6 +17,7 @@ std::optional<double> degenerate_direction(const Eigen::Matrix3d& information, d
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(position);  // eigenvalues rise
   if (eigen.eigenvalues()(0) > ratio * eigen.eigenvalues()(1)) return std::nullopt;
   const Eigen::Vector2d weak = eigen.eigenvectors().col(0);
+  if (weak.x() == 0.0) return std::numbers::pi / 2.0;
   return std::atan(weak.y() / weak.x());
 }
 

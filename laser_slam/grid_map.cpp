@@ -14,8 +14,7 @@ namespace {
 using LogOdds = mrpt::maps::CLogOddsGridMap2D<std::int8_t>;
 
 constexpr int kMask = Tile::kSide - 1;
-constexpr double kFarthest = 20000.0;  // [m] from the origin; beyond, path units and tile numbers end
-constexpr int kRayMargin = 1;          // cells before an endpoint a beam does not clear: the wall itself at a slant
+constexpr int kRayMargin = 1;  // cells before an endpoint a beam does not clear: the wall itself at a slant
 
 /// When a cell was last seen, on seeing it again. After a long absence it comes only halfway: a place that comes into
 /// view bit by bit is then still old when the robot stands in it, which is what closing a loop is told by.
@@ -29,6 +28,9 @@ std::int8_t integer_log_odds(double probability) {
   static mrpt::maps::CLogOddsGridMapLUT<std::int8_t> table;
   return table.p2l(static_cast<float>(probability));
 }
+
+/// What one observation changes a cell by: never nothing, however weak it is.
+std::int8_t step_of(double probability) { return std::max<std::int8_t>(1, integer_log_odds(probability)); }
 
 std::size_t cell_index(int cell_x, int cell_y) {
   return static_cast<std::size_t>((cell_y & kMask) * Tile::kSide + (cell_x & kMask));
@@ -100,11 +102,15 @@ void walk_cells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Vi
 
 GridMap::GridMap(const MapOptions& options)
     : options_(options),
-      hit_step_(integer_log_odds(options.hit_probability)),
-      miss_step_(integer_log_odds(1.0 - options.miss_probability)),
+      hit_step_(step_of(options.hit_probability)),
+      miss_step_(step_of(1.0 - options.miss_probability)),
       occupied_below_(integer_log_odds(1.0 - options.occupied_probability)) {}
 
-int GridMap::cell_of(double metres) const { return static_cast<int>(std::floor(metres / options_.resolution)); }
+int GridMap::cell_of(double metres) const {
+  // No map reaches so far; the bound only keeps the number an int, whatever pose is asked about.
+  constexpr double kFarthestCell = 1 << 30;
+  return static_cast<int>(std::clamp(std::floor(metres / options_.resolution), -kFarthestCell, kFarthestCell));
+}
 
 void GridMap::hit(int cell_x, int cell_y, const Eigen::Vector2d& point, std::uint16_t path) {
   Tile& tile = tiles_.write(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
@@ -151,7 +157,8 @@ void GridMap::insert(const ScanBeams& scan, const common::Pose2& pose, double pa
       ray.to = ray.from + (ray.to - ray.from) * (options_.mapping_range / length);
       ray.hit = false;
     }
-    if (!(ray.to.cwiseAbs().maxCoeff() * options_.resolution < kFarthest)) continue;
+    const double farthest = std::max(ray.from.cwiseAbs().maxCoeff(), ray.to.cwiseAbs().maxCoeff());
+    if (!(farthest * options_.resolution < kFarthest)) continue;
     low = low.min(ray.from.array()).min(ray.to.array());
     high = high.max(ray.from.array()).max(ray.to.array());
     rays.push_back(ray);
@@ -161,8 +168,10 @@ void GridMap::insert(const ScanBeams& scan, const common::Pose2& pose, double pa
   const int min_y = static_cast<int>(std::floor(low.y())) - 1;
   const int width = static_cast<int>(std::floor(high.x())) + 2 - min_x;
   const int height = static_cast<int>(std::floor(high.y())) + 2 - min_y;
-  tiles_.include(min_x >> Tile::kShift, min_y >> Tile::kShift, (min_x + width) >> Tile::kShift,
-                 (min_y + height) >> Tile::kShift);
+  if (!tiles_.include(min_x >> Tile::kShift, min_y >> Tile::kShift, (min_x + width) >> Tile::kShift,
+                      (min_y + height) >> Tile::kShift)) {
+    return;
+  }
   const std::size_t area = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   if (scratch.marks.size() < area) scratch.marks.resize(area, 0);
   const std::uint32_t mark = ++scratch.generation;
@@ -199,8 +208,8 @@ Surface GridMap::surface_at(const Eigen::Vector2d& point, int reach) const {
   const double reach_squared = (reach + 0.5) * (reach + 0.5);
   double sum = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0, sum_yy = 0.0, sum_path = 0.0;
   // Sums about the point itself, in cells: small numbers, no cancellation.
-  for_each_occupied(tiles_, static_cast<int>(std::floor(in_cells.x())), static_cast<int>(std::floor(in_cells.y())),
-                    reach, [&](const Tile& tile, int cell_x, int cell_y) {
+  for_each_occupied(tiles_, cell_of(point.x()), cell_of(point.y()), reach,
+                    [&](const Tile& tile, int cell_x, int cell_y) {
                       const Endpoints& ends = tile.endpoints[cell_index(cell_x, cell_y)];
                       const double x = cell_x + 0.5 + ends.offset_x / Endpoints::kOffsetUnits - in_cells.x();
                       const double y = cell_y + 0.5 + ends.offset_y / Endpoints::kOffsetUnits - in_cells.y();

@@ -33,6 +33,8 @@ class GridMap {
  public:
   explicit GridMap(const MapOptions& options);
 
+  static constexpr double kFarthest = 20000.0;  ///< [m]; beyond, tile numbers in saved maps end
+
   double resolution() const { return options_.resolution; }
   const TileGrid& tiles() const { return tiles_; }
   TileGrid& tiles() { return tiles_; }
@@ -41,7 +43,8 @@ class GridMap {
   std::int8_t occupied_below() const { return occupied_below_; }
 
   /// Draws a scan made at `pose`. Every cell changes at most once: up where a beam ends, down where beams only pass.
-  /// `path_length` is how far the robot has travelled [m].
+  /// `path_length` is how far the robot has travelled [m]. Left out are beams more than kFarthest from the origin, and
+  /// scans that would stretch the map beyond TileGrid::kMaxTiles.
   void insert(const ScanBeams& scan, const common::Pose2& pose, double path_length, InsertionScratch& scratch);
 
   /// The surface near a point [m, map frame]: occupied cells up to `reach` cells away, each weighted by the biweight

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "common/angle.hpp"
@@ -24,6 +25,9 @@ namespace slamfuse::laser_slam {
 namespace {
 
 constexpr double kEnoughKnown = 0.2;       // share of a scan's beams in mapped space for its agreement to tell anything
+constexpr int kFewestKnown = 5;            // and how many of them at least
+constexpr double kMostCells = 4000.0;      // reach of a beam in the map; inserting a scan takes 4 B a cell it may meet
+constexpr double kFarthestOdometry = 1e8;  // [m] from its origin; no map projection counts farther
 constexpr double kPoseFloor = 0.005;       // [m] no estimate claims to be better than this: a tenth of a cell
 constexpr double kHeadingFloor = 0.002;    // [rad] the same
 constexpr double kDegenerateEvery = 10.0;  // [m] of path between two events of being degenerate
@@ -65,20 +69,24 @@ class LaserSlam::Impl {
   }
 
   void set_pose(const common::SetPose& command) {
-    if (!started_ || !command.pose.is_finite() || !command.covariance.allFinite()) return;
-    filter_.scatter(command.pose, command.covariance + floor_covariance());
-    begin_segment(std::nullopt);
-    predictor_.forget_speed();
-    monitor_.reset();
-    announce("relocalised", "the pose was set from outside");
+    if (auto refused = check(command); !refused) return announce("set_pose_refused", refused.error().message);
+    if (started_) {
+      place(command);
+    } else {
+      set_pose_ = command;
+    }
   }
 
   void reset() {
+    set_pose_.reset();
+    restored_.reset();
     if (!started_) return;
     started_ = false;
     ++epoch_;
     path_.clear();
     path_length_ = 0.0;
+    held_at_ = 0.0;
+    degenerate_told_ = -kDegenerateEvery;
     loops_ = LoopDetector(options_.loops);
     monitor_.reset();
     announce("map_reset", fmt::format("map epoch {} begins", epoch_));
@@ -106,7 +114,7 @@ class LaserSlam::Impl {
     if (!state) return tl::unexpected(state.error());
     reset();
     if (epoch_ == 0) ++epoch_;
-    path_length_ = state->path_length;
+    path_length_ = held_at_ = state->path_length;
     restored_ = std::move(*state);
     return {};
   }
@@ -119,6 +127,31 @@ class LaserSlam::Impl {
 
   void announce(std::string kind, std::string detail) {
     pending_.push_back({0, "laser", std::move(kind), std::move(detail)});
+  }
+
+  /// Whether particles can be drawn as a SetPose asks.
+  common::Result<void> check(const common::SetPose& command) const {
+    if (!started_ && !restored_) return common::failed("there is no map yet in which a pose could be set");
+    if (!command.pose.is_finite() || std::hypot(command.pose.x, command.pose.y) > GridMap::kFarthest) {
+      return common::failed(
+          fmt::format("the position is ({}, {}), the heading {}; allowed is up to {} m from the origin", command.pose.x,
+                      command.pose.y, command.pose.theta, GridMap::kFarthest));
+    }
+    const Eigen::Matrix3d covariance = command.covariance + floor_covariance();
+    if (!covariance.allFinite() || covariance.llt().info() != Eigen::Success) {
+      return common::failed("the covariance is not finite or not positive semidefinite");
+    }
+    return {};
+  }
+
+  /// Draws the particles around a pose set from outside.
+  void place(const common::SetPose& command) {
+    const common::Pose2 pose{command.pose.x, command.pose.y, common::normalize_angle(command.pose.theta)};
+    filter_.scatter(pose, command.covariance + floor_covariance());
+    begin_segment(std::nullopt);
+    predictor_.forget_speed();
+    monitor_.reset();
+    announce("relocalised", "the pose was set from outside");
   }
 
   common::Result<ScanBeams> project(const common::LaserScan& scan) const {
@@ -144,6 +177,7 @@ class LaserSlam::Impl {
     started_ = true;
     last_update_stamp_ = stamp;
     begin_segment(std::nullopt);
+    if (set_pose_) place(*std::exchange(set_pose_, std::nullopt));
     return estimate(stamp, beams, matcher_.evaluate(filter_.best().map, beams.match_points, pose_), false);
   }
 
@@ -205,7 +239,8 @@ class LaserSlam::Impl {
   }
 
   std::optional<double> agreement_of(const ScanFit& fit, const ScanBeams& beams) const {
-    if (fit.known < kEnoughKnown * static_cast<double>(beams.match_points.size())) return std::nullopt;
+    const double enough = kEnoughKnown * static_cast<double>(beams.match_points.size());
+    if (fit.known < std::max<double>(enough, kFewestKnown)) return std::nullopt;
     return fit.agreement;
   }
 
@@ -266,9 +301,10 @@ class LaserSlam::Impl {
 
   bool started_ = false;
   std::uint32_t epoch_ = 0;
-  std::optional<MapState> restored_;  // waits for the first scan
-  common::Pose2 pose_;                // online, T_map_base at the last scan
-  double path_length_ = 0.0;          // [m] since the map was begun
+  std::optional<MapState> restored_;         // waits for the first scan
+  std::optional<common::SetPose> set_pose_;  // the same: where to begin in it
+  common::Pose2 pose_;                       // online, T_map_base at the last scan
+  double path_length_ = 0.0;                 // [m] since the map was begun
   common::Nanoseconds last_update_stamp_ = 0;
   std::vector<common::Event> pending_;
 
@@ -290,6 +326,11 @@ common::Result<std::unique_ptr<LaserSlam>> LaserSlam::create(const LaserSlamOpti
                                                              const common::LaserCalibration& calibration,
                                                              std::uint64_t seed, int threads) {
   if (auto checked = check_calibration(sensor, calibration); !checked) return tl::unexpected(checked.error());
+  if (options.map.mapping_range > kMostCells * options.map.resolution) {
+    return common::invalid_input(
+        fmt::format("laser.map.mapping_range is {} m with cells of {} m; allowed are up to {} cells",
+                    options.map.mapping_range, options.map.resolution, kMostCells));
+  }
   return std::unique_ptr<LaserSlam>(
       new LaserSlam(std::make_unique<Impl>(options, sensor, calibration, seed, std::max(threads, 1))));
 }
@@ -302,6 +343,11 @@ bool LaserSlam::wants(const common::SensorMessage& message) const {
 common::ProcessResult LaserSlam::process(const common::SensorMessage& message) {
   if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) {
     if (!odometry->pose.is_finite()) return {std::nullopt, "odometry pose is not finite"};
+    const double distance = std::hypot(odometry->pose.x, odometry->pose.y);
+    if (distance > kFarthestOdometry) {
+      return {std::nullopt,
+              fmt::format("odometry is {} m from its origin, allowed are up to {}", distance, kFarthestOdometry)};
+    }
     impl_->add(*odometry);
     return {};
   }

@@ -26,7 +26,8 @@ class LaserSlam : public common::SlamModule {
  public:
   /// A filter for the scans named `sensor`. `threads` >= 1 work on the particles inside process(). Errors
   /// (kInvalidInput): a calibration that cannot be used (no increment, beams < 0, range_min < 0, range_max <=
-  /// range_min, not finite, a laser that is not mounted level, upright or upside down).
+  /// range_min, not finite, a sweep of over a minute, a laser that is not mounted level, upright or upside down), a
+  /// mapping range of more than 4000 cells.
   static common::Result<std::unique_ptr<LaserSlam>> create(const LaserSlamOptions& options, const std::string& sensor,
                                                            const common::LaserCalibration& calibration,
                                                            std::uint64_t seed, int threads);
@@ -35,8 +36,10 @@ class LaserSlam : public common::SlamModule {
   common::PoseSource source() const override { return common::PoseSource::kLaser; }
   bool wants(const common::SensorMessage& message) const override;
   common::ProcessResult process(const common::SensorMessage& message) override;
-  /// SetPose draws the particles around the pose in the best particle's map. Reset forgets all and starts a new map
-  /// epoch. Relocalise cannot be done while mapping and is answered by an event on the next estimate.
+  /// SetPose draws the particles around the pose in the best particle's map, or in the restored one when the first scan
+  /// comes; without a map, with a pose farther than 20 km or a covariance that is none it is answered by an event on
+  /// the next estimate. Reset forgets all and starts a new map epoch. Relocalise cannot be done while mapping and is
+  /// answered by an event on the next estimate.
   void execute(const common::Command& command) override;
   /// The best particle's path; scans between two updates are placed between them by their matched increments. Poses
   /// of earlier map epochs are left out.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,7 +24,6 @@ constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kHeaderSize = kMagicSize + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
 constexpr std::int32_t kMaxTileCoordinate = 1 << 15;  // 50 km at 5 cm
 constexpr std::size_t kTileBytes = 2 * sizeof(std::int32_t) + Tile::kCells * (sizeof(std::int8_t) + 8);
-constexpr std::size_t kMaxTiles = 1u << 22;  // of the rectangle spanned: 6.5 km x 6.5 km at 5 cm
 
 std::uint32_t checksum(const std::string& bytes, std::size_t from) {
   uLong crc = crc32(0, nullptr, 0);
@@ -84,6 +84,15 @@ common::Result<MapState> parse_payload(const std::string& bytes, const MapOption
   if (!state.pose.is_finite() || !std::isfinite(state.path_length)) {
     return common::invalid_input("laser state: the pose or path length is not finite");
   }
+  if (std::hypot(state.pose.x, state.pose.y) > GridMap::kFarthest) {
+    return common::invalid_input(
+        fmt::format("laser state: its pose is at ({}, {}), allowed is up to {} m from the origin", state.pose.x,
+                    state.pose.y, GridMap::kFarthest));
+  }
+  if (std::abs(state.pose.theta) > std::numbers::pi) {
+    return common::invalid_input(
+        fmt::format("laser state: its heading is {} rad, allowed is -pi to pi", state.pose.theta));
+  }
   if (resolution != options.resolution) {
     return common::invalid_input(
         fmt::format("laser state: its cells are {} m, laser.map.resolution is {} m; allowed is the same", resolution,
@@ -107,12 +116,10 @@ common::Result<MapState> parse_payload(const std::string& bytes, const MapOption
     high_y = std::max(high_y, y);
   }
   if (count > 0) {
-    const auto area = static_cast<std::size_t>(high_x - low_x + 1) * static_cast<std::size_t>(high_y - low_y + 1);
-    if (area > kMaxTiles) {
-      return common::invalid_input(
-          fmt::format("laser state: its tiles span {} tiles, allowed are {}", area, kMaxTiles));
+    if (!state.map.tiles().include(low_x, low_y, high_x, high_y)) {
+      return common::invalid_input(fmt::format("laser state: its map is {} x {} tiles, allowed are {} in all",
+                                               high_x - low_x + 1, high_y - low_y + 1, TileGrid::kMaxTiles));
     }
-    state.map.tiles().include(low_x, low_y, high_x, high_y);
   }
   for (const auto& [x, y] : places) read_tile(archive, state.map.tiles().write(x, y), state.map.occupied_below());
   return state;

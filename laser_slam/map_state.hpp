@@ -26,7 +26,8 @@ common::OccupancyGrid to_occupancy_grid(const GridMap& map);
 std::string serialize_state(const MapState& state);
 
 /// Reads such bytes. Errors (kInvalidInput): other magic or version, length or checksum wrong, a number that is not
-/// finite, another cell size than `options` ask for, more tiles than the bytes can hold.
+/// finite, another cell size than `options` ask for, more tiles than the bytes can hold or a map may span, a pose
+/// outside any map.
 common::Result<MapState> parse_state(const std::string& bytes, const MapOptions& options);
 
 }  // namespace slamfuse::laser_slam

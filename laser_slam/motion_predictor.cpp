@@ -52,7 +52,9 @@ Eigen::Vector3d MotionPredictor::sweep_twist(common::Nanoseconds stamp, common::
   const auto first = odometry_.pose_at(stamp);
   const auto last = odometry_.pose_at(stamp + duration);
   if (!first || !last) return twist_;
-  return common::log_se2(first->inverse() * *last) / common::to_seconds(duration);
+  const common::Pose2 motion = first->inverse() * *last;
+  const double seconds = common::to_seconds(duration);
+  return is_jump(motion, seconds, options_) ? twist_ : Eigen::Vector3d(common::log_se2(motion) / seconds);
 }
 
 }  // namespace slamfuse::laser_slam

@@ -34,7 +34,8 @@ class MotionPredictor {
   MotionPrediction predict(common::Nanoseconds stamp) const;
   /// Ends the step to a scan with the motion it was found to have been.
   void finish(common::Nanoseconds stamp, const MotionPrediction& prediction, const common::Pose2& matched);
-  /// The body twist [m/s, m/s, rad/s] while a sweep of this duration passes, zero for duration 0.
+  /// The body twist [m/s, m/s, rad/s] while a sweep of this duration passes, zero for duration 0: by the odometry, or
+  /// the last matched speed where that is missing or jumps.
   Eigen::Vector3d sweep_twist(common::Nanoseconds stamp, common::Nanoseconds duration) const;
   /// The motion at the last matched speed; none over a gap too long for a speed to last.
   common::Pose2 at_last_speed(double seconds) const;

@@ -41,8 +41,8 @@ common::Result<void> check_calibration(const std::string& sensor, const common::
     return refuse(
         fmt::format("range_min is {}, range_max {}; allowed is 0 <= range_min < range_max", c.range_min, c.range_max));
   }
-  if (!std::isfinite(c.sweep_duration) || c.sweep_duration < 0.0) {
-    return refuse(fmt::format("sweep_duration is {}, allowed is 0 s (unknown) or more", c.sweep_duration));
+  if (!(c.sweep_duration >= 0.0 && c.sweep_duration <= kLongestSweep)) {
+    return refuse(fmt::format("sweep_duration is {}, allowed is 0 (unknown) to {} s", c.sweep_duration, kLongestSweep));
   }
   if (!c.T_base_laser.is_finite()) return refuse("the mounting T_base_laser is not finite");
   const double up = std::abs((c.T_base_laser.rotation * Eigen::Vector3d::UnitZ()).z());

@@ -35,7 +35,8 @@ struct BeamLimits {
 /// Checks a calibration LaserSlam cannot work with: increment 0, negative beam number, impossible ranges, numbers that
 /// are not finite, a scan plane tilted by more than kMaxTilt against the floor.
 common::Result<void> check_calibration(const std::string& sensor, const common::LaserCalibration& calibration);
-inline constexpr double kMaxTilt = 0.1;  ///< [rad]; the projection onto the floor then errs by half a per cent
+inline constexpr double kLongestSweep = 60.0;  ///< [s]; scans that take longer are refused
+inline constexpr double kMaxTilt = 0.1;        ///< [rad]; the projection onto the floor then errs by half a per cent
 
 /// Projects a scan onto the floor plane in base_link at its first beam. `twist` is base_link's motion during the sweep
 /// (vx, vy, omega) [m/s, rad/s] in its own frame: beam i of n left at i / (n - 1) of the sweep duration. Beams follow

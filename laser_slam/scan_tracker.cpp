@@ -33,17 +33,19 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
   TrackedScan tracked;
   tracked.match = matcher_.match(map, points, prior.mean, prior, old_before);
   const double beams = static_cast<double>(points.size());
-  const bool doubtful =
-      tracked.match.fit.agreement < matching_.rematch_agreement && tracked.match.fit.known >= kEnoughKnown * beams;
+  const double enough = kEnoughKnown * beams;
+  const bool doubtful = tracked.match.fit.agreement < matching_.rematch_agreement && tracked.match.fit.known >= enough;
   const common::Pose2 coasting = predictor.at_last_speed(prediction.seconds);
   const common::Pose2 disagreement = prediction.increment.inverse() * coasting;
   const bool surprising =
       std::max(std::hypot(disagreement.x, disagreement.y), std::abs(disagreement.theta)) > kSurprise;
   if (prediction.suspicious || doubtful || surprising) {
-    // The likelihood decides, not the agreement: it also counts how much of the scan meets the map at all.
-    double to_beat = tracked.match.fit.log_likelihood + matching_.rematch_gain * beams;
+    // The likelihood decides, not the agreement: it also counts how much of the scan meets the map at all. Odometry too
+    // fast to be true that leads out of the map has nothing to speak for it.
+    const bool astray = prediction.suspicious && tracked.match.fit.known < enough;
+    double to_beat = astray ? -HUGE_VAL : tracked.match.fit.log_likelihood + matching_.rematch_gain * beams;
     const auto consider = [&](const ScanMatch& other) {
-      if (other.fit.log_likelihood <= to_beat) return;
+      if (other.fit.log_likelihood <= to_beat || (astray && other.fit.known < enough)) return;
       const common::Pose2 apart = prior.mean.inverse() * other.pose;
       const bool near =
           std::hypot(apart.x, apart.y) <= matching_.search_distance && std::abs(apart.theta) <= matching_.search_angle;

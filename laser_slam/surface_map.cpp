@@ -22,8 +22,9 @@ GridMap surface_map(const common::OccupancyGrid& grid, MapOptions options) {
   const auto cell_of = [&](double metres) { return static_cast<int>(std::floor(metres / grid.resolution)); };
   const int first_x = cell_of(grid.origin.x());
   const int first_y = cell_of(grid.origin.y());
-  map.tiles().include(first_x >> Tile::kShift, first_y >> Tile::kShift, (first_x + grid.width) >> Tile::kShift,
-                      (first_y + grid.height) >> Tile::kShift);
+  if (!map.tiles().include(first_x >> Tile::kShift, first_y >> Tile::kShift, (first_x + grid.width) >> Tile::kShift,
+                           (first_y + grid.height) >> Tile::kShift))
+    return map;
   for (int row = 0; row < grid.height; ++row) {
     for (int column = 0; column < grid.width; ++column) {
       const std::int8_t value = grid.at(column, row);

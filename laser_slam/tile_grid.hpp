@@ -12,6 +12,10 @@ namespace slamfuse::laser_slam {
 /// A rectangle of tiles that grows as it is written to. Copies share their tiles until one of them writes.
 class TileGrid {
  public:
+  /// Of the rectangle: 1.6 km x 1.6 km at 5 cm, or any other shape of that area. Bounds the memory of a map that is
+  /// stretched by a pose gone astray: 8 MB a particle for the rectangle, 1 GB for the map as a dense grid.
+  static constexpr std::size_t kMaxTiles = std::size_t{1} << 20;
+
   /// Tile coordinates: cell coordinates / Tile::kSide, rounded down.
   int min_x() const { return min_x_; }
   int min_y() const { return min_y_; }
@@ -27,8 +31,9 @@ class TileGrid {
   /// The tile to write to, made or copied as needed. The coordinates must be inside the rectangle, see include().
   Tile& write(int x, int y) { return tiles_[index(x, y)].write(); }
 
-  /// Grows the rectangle to hold these tile coordinates, both ends included.
-  void include(int first_x, int first_y, int last_x, int last_y);
+  /// Grows the rectangle to hold these tile coordinates, both ends included; by a margin more where kMaxTiles leaves
+  /// room for it. False, with nothing changed, when they would take more than kMaxTiles.
+  [[nodiscard]] bool include(int first_x, int first_y, int last_x, int last_y);
 
   /// How many tiles exist, and how many of them `other` holds too (in memory).
   std::size_t count() const;

@@ -2,6 +2,7 @@
 #include "laser_slam/grid_map.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -108,6 +109,36 @@ TEST_F(GridMapTest, MeasuresAWallsMomentsAlongIt) {
 TEST_F(GridMapTest, IgnoresBeamsThatEndImpossiblyFarOut) {
   insert(single_beam({1.0, 0.0}), {1e9, 0.0, 0.0});
   EXPECT_TRUE(map_.empty());
+}
+
+TEST_F(GridMapTest, CanBeAskedAboutAnyPlace) {
+  insert(single_beam({1.0, 0.0}));
+  for (const double far : {1e6, 1e9, 1e30, -1e9, std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(map_.surface_at({far, -far}, 4).weight, 0.0) << far;
+    EXPECT_FALSE(map_.known_at({-far, far})) << far;
+    EXPECT_FALSE(map_.occupied_near({far, far})) << far;
+  }
+}
+
+TEST_F(GridMapTest, LeavesOutScansThatWouldStretchItBeyondItsLimit) {
+  insert(single_beam({1.0, 0.0}));
+  insert(single_beam({1.0, 0.0}), {15000.0, 15000.0, 0.0});
+  EXPECT_FALSE(map_.known_at({15000.5, 15000.0}));
+  EXPECT_LE(static_cast<std::size_t>(map_.tiles().width()) * static_cast<std::size_t>(map_.tiles().height()),
+            TileGrid::kMaxTiles);
+  insert(single_beam({1.0, 0.0}), {200.0, 200.0, 0.0});
+  EXPECT_TRUE(map_.known_at({200.5, 200.0})) << "and goes on where it can";
+}
+
+TEST(GridMap, TakesTheWeakestEvidenceItsOptionsAllow) {
+  MapOptions options;
+  options.hit_probability = 0.51;
+  options.miss_probability = 0.49;
+  GridMap map(options);
+  InsertionScratch scratch;
+  map.insert(single_beam({1.0, 0.0}), {}, 0.0, scratch);
+  EXPECT_TRUE(map.known_at({1.0, 0.0}));
+  EXPECT_TRUE(map.known_at({0.5, 0.0}));
 }
 
 TEST_F(GridMapTest, LeavesACopyAloneWhenItChanges) {

@@ -260,6 +260,195 @@ TEST(LaserSlam, AnswersRelocaliseWithAnEvent) {
   EXPECT_EQ(estimate->events[0].kind, "relocalise_refused");
 }
 
+/// What comes of one scan of the room.
+std::optional<common::PoseEstimate> look(LaserSlam& slam, int step, const common::Pose2& at) {
+  return slam.process(testing::scan_at(testing::room(), testing::full_circle_laser(), step * kPeriod, at)).estimate;
+}
+
+TEST(LaserSlam, StartsInASavedMapWhereItIsTold) {
+  const Drive first = drive(circle(50), {.options = few_particles()});
+  const auto bytes = first.slam->serialize();
+  ASSERT_TRUE(bytes);
+  const common::Pose2 there{0.4, 0.9, 0.5};
+  auto second = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 2, 1);
+  ASSERT_TRUE(second->restore(*bytes));
+  const common::Pose2 in_map = circle(1).front().inverse() * there;
+  second->execute(common::SetPose{in_map, Eigen::Vector3d(0.0025, 0.0025, 0.0025).asDiagonal()});
+  common::PoseEstimate last;
+  for (int i = 0; i < 5; ++i) last = look(*second, i, there).value_or(last);
+  EXPECT_LT(testing::distance(last.pose, in_map), 0.05);
+  EXPECT_EQ(last.state, common::TrackingState::kTracking);
+}
+
+TEST(LaserSlam, ForgetsASavedMapOnResetBeforeTheFirstScan) {
+  const Drive first = drive(circle(50), {.options = few_particles()});
+  auto second = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 2, 1);
+  ASSERT_TRUE(second->restore(*first.slam->serialize()));
+  second->execute(common::Reset{});
+  const auto estimate = look(*second, 0, {});
+  ASSERT_TRUE(estimate);
+  EXPECT_EQ(estimate->pose.vector(), Eigen::Vector3d::Zero());
+}
+
+TEST(LaserSlam, AnswersAPoseItCannotTakeWithAnEvent) {
+  const common::Pose2 good{0.1, 0.0, 0.0};
+  Eigen::Matrix3d indefinite = Eigen::Matrix3d::Identity() * 0.01;
+  indefinite(0, 1) = indefinite(1, 0) = 1.0;
+  const std::vector<common::SetPose> bad = {
+      {{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, Eigen::Matrix3d::Identity() * 0.01},
+      {{1e9, 0.0, 0.0}, Eigen::Matrix3d::Identity() * 0.01},
+      {good, Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity())},
+      {good, indefinite}};
+  for (const common::SetPose& command : bad) {
+    Drive result = drive(circle(10), {.options = few_particles()});
+    result.slam->execute(command);
+    const auto estimate = look(*result.slam, 10, circle(11)[10]);
+    ASSERT_TRUE(estimate);
+    ASSERT_EQ(estimate->events.size(), 1u);
+    EXPECT_EQ(estimate->events[0].kind, "set_pose_refused");
+    EXPECT_LT(testing::distance(result.truth.front() * estimate->pose, circle(11)[10]), 0.05);
+  }
+  auto fresh = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 2, 1);
+  fresh->execute(common::SetPose{good, Eigen::Matrix3d::Identity() * 0.01});
+  const auto estimate = look(*fresh, 0, {});
+  ASSERT_TRUE(estimate);
+  ASSERT_EQ(estimate->events.size(), 1u);
+  EXPECT_EQ(estimate->events[0].kind, "set_pose_refused") << "there is no map yet for the pose to be in";
+}
+
+TEST(LaserSlam, KeepsItsMapSmallWhenPutFarAway) {
+  Drive result = drive(circle(10), {.options = few_particles()});
+  result.slam->execute(common::SetPose{{15000.0, -15000.0, 0.0}, Eigen::Matrix3d::Identity() * 0.01});
+  for (int i = 10; i < 40; ++i) ASSERT_TRUE(look(*result.slam, i, circle(40)[static_cast<std::size_t>(i)]));
+  EXPECT_LT(result.slam->serialize()->size(), 50u << 20);
+  EXPECT_LT(result.slam->grid().cells.size(), 50u << 20);
+}
+
+TEST(LaserSlam, RejectsOdometryThatIsImpossiblyFarAway) {
+  Drive result = drive(circle(10), {.options = few_particles()});
+  for (const double far : {1e300, -1e12}) {
+    const common::WheelOdometry odometry{10 * kPeriod, "odom0", {0.0, far, 0.0}, 0.0, 0.0};
+    EXPECT_THAT(result.slam->process(odometry).rejected.value_or(""), HasSubstr("allowed are up to"));
+  }
+}
+
+TEST(LaserSlam, SurvivesATeleportOfTheOdometryInTheMiddleOfASweep) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.laser.sweep_duration = 0.04;
+  Drive result = drive(circle(20), settings);
+  const auto poses = circle(24);
+  for (int i = 20; i < 24; ++i) {
+    const auto stamp = i * kPeriod;
+    // The odometry is ahead of the scans, and starts anew between their first and last beam.
+    result.slam->process(common::WheelOdometry{stamp - kPeriod / 100, "odom0", poses[20], 0.0, 0.0});
+    result.slam->process(common::WheelOdometry{stamp + kPeriod / 10, "odom0", {9e3 * i, -9e3, 0.0}, 0.0, 0.0});
+    const auto estimate = look(*result.slam, i, poses[static_cast<std::size_t>(i)]);
+    ASSERT_TRUE(estimate);
+    EXPECT_LT(testing::distance(result.truth.front() * estimate->pose, poses[static_cast<std::size_t>(i)]), 0.1);
+  }
+}
+
+TEST(LaserSlam, DoesNotFollowATeleportOfTheOdometryIntoTheUnknown) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  Drive result = drive(circle(40), settings);
+  // Half of the beams are cut short by people: the scan fits its map less well than it fits no map at all.
+  RandomStream random(4, 4);
+  const auto poses = circle(45);
+  for (int i = 40; i < 45; ++i) {
+    const auto& pose = poses[static_cast<std::size_t>(i)];
+    common::LaserScan scan = testing::scan_at(testing::room(), settings.laser, i * kPeriod, pose);
+    for (std::size_t beam = 0; beam < scan.ranges.size(); beam += 2) {
+      scan.ranges[beam] = static_cast<float>(0.3 + 0.6 * random.uniform());
+    }
+    const auto odometry = common::Pose2{300.0, -500.0, 1.0} * (poses.front().inverse() * pose);
+    result.slam->process(common::WheelOdometry{i * kPeriod, "odom0", odometry, 0.0, 0.0});
+    const auto estimate = result.slam->process(scan).estimate;
+    ASSERT_TRUE(estimate);
+    EXPECT_LT(testing::distance(result.truth.front() * estimate->pose, pose), 0.1) << "step " << i;
+  }
+}
+
+TEST(LaserSlam, IsNotLostWhereThereIsNothingToSee) {
+  Drive result = drive(circle(10), {.options = few_particles()});
+  common::LaserScan open;
+  open.sensor = "laser0";
+  open.ranges.assign(180, HUGE_VALF);
+  for (int hits = 0; hits < 2; ++hits) {
+    if (hits > 0) open.ranges[90] = 0.5F;  // a single beam that fits nowhere: no reason either
+    for (int i = 0; i < 30; ++i) {
+      open.stamp = (10 + 30 * hits + i) * kPeriod;
+      const auto estimate = result.slam->process(open).estimate;
+      ASSERT_TRUE(estimate);
+      ASSERT_NE(estimate->state, common::TrackingState::kLost) << hits << " hits";
+      EXPECT_FALSE(estimate->health.scan_likelihood);
+    }
+  }
+}
+
+TEST(LaserSlam, TellsOfADegenerateDirectionAgainAfterAReset) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.walls = {{{-100.0, -1.0}, {300.0, -1.0}}, {{-100.0, 1.0}, {300.0, 1.0}}};
+  settings.laser = testing::full_circle_laser(360);
+  settings.laser.range_max = 2.5;
+  std::vector<common::Pose2> poses;
+  for (int i = 0; i < 150; ++i) poses.push_back({0.1 * i, 0.0, 0.0});
+  Drive result = drive(poses, settings);
+  ASSERT_TRUE(result.has_event("degenerate"));
+  result.slam->execute(common::Reset{});
+  bool told = false;
+  for (int i = 150; i < 160; ++i) {
+    const common::Pose2 pose{0.1 * i, 0.0, 0.0};
+    result.slam->process(common::WheelOdometry{i * kPeriod, "odom0", pose, 0.0, 0.0});
+    const auto estimate =
+        result.slam->process(testing::scan_at(settings.walls, settings.laser, i * kPeriod, pose)).estimate;
+    ASSERT_TRUE(estimate);
+    for (const common::Event& event : estimate->events) told = told || event.kind == "degenerate";
+  }
+  EXPECT_TRUE(told);
+}
+
+TEST(LaserSlam, TakesStampsThatRepeatAndStepBack) {
+  auto slam = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 1, 1);
+  const auto poses = circle(60);
+  for (int i = 0; i < 60; ++i) {
+    const auto& pose = poses[static_cast<std::size_t>(i)];
+    const common::Nanoseconds stamp = (i % 7 == 3 ? i - 3 : i % 7 == 5 ? i - 1 : i) * kPeriod;
+    slam->process(common::WheelOdometry{stamp, "odom0", poses.front().inverse() * pose, 0.0, 0.0});
+    const auto estimate =
+        slam->process(testing::scan_at(testing::room(), testing::full_circle_laser(), stamp, pose)).estimate;
+    ASSERT_TRUE(estimate);
+    EXPECT_EQ(estimate->stamp, stamp);
+    EXPECT_LT(testing::distance(poses.front() * estimate->pose, pose), 0.05) << "step " << i;
+  }
+}
+
+TEST(LaserSlam, UsesOdometryThatBeginsLateAndArrivesLate) {
+  auto slam = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 1, 1);
+  const auto poses = circle(120);
+  for (int i = 0; i < 120; ++i) {
+    const auto& pose = poses[static_cast<std::size_t>(i)];
+    if (i >= 30) {  // another frame than the map's, and two scans late
+      const common::Pose2 odometry = common::Pose2{7.0, -4.0, 2.0} * poses[static_cast<std::size_t>(i - 2)];
+      slam->process(common::WheelOdometry{(i - 2) * kPeriod, "odom0", odometry, 0.0, 0.0});
+    }
+    const auto estimate = look(*slam, i, pose);
+    ASSERT_TRUE(estimate);
+    EXPECT_LT(testing::distance(poses.front() * estimate->pose, pose), 0.05) << "step " << i;
+  }
+}
+
+TEST(LaserSlam, TakesALaserThatCountsClockwiseRoundAndRepeatsItsFirstBeam) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.laser.angle_min = common::to_radians(180.0);
+  settings.laser.angle_increment = -common::to_radians(2.0);
+  settings.laser.beams = 181;
+  EXPECT_LT(drive(circle(100), settings).worst_error(), 0.05);
+}
+
 TEST(LaserSlam, ContinuesInASavedMap) {
   const auto poses = circle(100);
   const Drive first = drive({poses.begin(), poses.begin() + 50}, {.options = few_particles()});
@@ -289,6 +478,15 @@ TEST(LaserSlam, RefusesACalibrationItCannotUse) {
   ASSERT_FALSE(slam);
   EXPECT_EQ(slam.error().kind, common::ErrorKind::kInvalidInput);
   EXPECT_THAT(slam.error().message, HasSubstr("laser0"));
+}
+
+TEST(LaserSlam, RefusesAGridTooFineForItsRange) {
+  LaserSlamOptions options;
+  options.map.resolution = 0.01;
+  options.map.mapping_range = 200.0;
+  const auto slam = LaserSlam::create(options, "laser0", testing::full_circle_laser(), 1, 1);
+  ASSERT_FALSE(slam);
+  EXPECT_THAT(slam.error().message, HasSubstr("laser.map.mapping_range"));
 }
 
 TEST(LaserSlam, SaysItIsLostWhenTheScansMatchNothing) {

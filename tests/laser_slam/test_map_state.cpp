@@ -67,6 +67,15 @@ TEST(MapState, RefusesAPoseThatIsNotFinite) {
   EXPECT_THAT(refusal(serialize_state(state)), HasSubstr("not finite"));
 }
 
+TEST(MapState, RefusesAPoseOutsideAnyMap) {
+  MapState state = room_state();
+  state.pose.x = 1e300;
+  EXPECT_THAT(refusal(serialize_state(state)), HasSubstr("m from the origin"));
+  state = room_state();
+  state.pose.theta = 100.0;
+  EXPECT_THAT(refusal(serialize_state(state)), HasSubstr("heading"));
+}
+
 TEST(MapState, TakesAnEmptyMap) { EXPECT_EQ(refusal(serialize_state({{}, 0.0, GridMap{MapOptions{}}})), ""); }
 
 TEST(ToOccupancyGrid, ShowsWallsFreeSpaceAndTheUnknownWhereTheyAre) {

@@ -125,6 +125,7 @@ TEST(CheckCalibration, NamesWhatCannotBeUsed) {
   EXPECT_THAT(reason([](auto& laser) { laser.range_max = 0.05; }), HasSubstr("range_min"));
   EXPECT_THAT(reason([](auto& laser) { laser.beams = -1; }), HasSubstr("beams"));
   EXPECT_THAT(reason([](auto& laser) { laser.sweep_duration = -1.0; }), HasSubstr("sweep_duration"));
+  EXPECT_THAT(reason([](auto& laser) { laser.sweep_duration = 1e300; }), HasSubstr("0 (unknown) to 60 s"));
   EXPECT_THAT(
       reason([](auto& laser) { laser.T_base_laser.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()); }),
       HasSubstr("tilted"));

@@ -11,7 +11,7 @@ namespace {
 TEST(TileGrid, HasNoTilesUntilWrittenTo) {
   TileGrid grid;
   EXPECT_EQ(grid.find(0, 0), nullptr);
-  grid.include(-2, -2, 3, 3);
+  ASSERT_TRUE(grid.include(-2, -2, 3, 3));
   EXPECT_EQ(grid.find(-2, 3), nullptr);
   EXPECT_EQ(grid.count(), 0u);
   grid.write(-2, 3).log_odds[5] = 9;
@@ -22,7 +22,7 @@ TEST(TileGrid, HasNoTilesUntilWrittenTo) {
 
 TEST(TileGrid, SharesTilesWithItsCopiesUntilOneWrites) {
   TileGrid original;
-  original.include(0, 0, 1, 0);
+  ASSERT_TRUE(original.include(0, 0, 1, 0));
   original.write(0, 0).log_odds[0] = 1;
   original.write(1, 0).log_odds[0] = 2;
 
@@ -38,7 +38,7 @@ TEST(TileGrid, SharesTilesWithItsCopiesUntilOneWrites) {
 
 TEST(TileGrid, WritesInPlaceOnceItIsTheOnlyOwner) {
   TileGrid grid;
-  grid.include(0, 0, 0, 0);
+  ASSERT_TRUE(grid.include(0, 0, 0, 0));
   grid.write(0, 0);
   { const TileGrid passing_copy = grid; }
   const Tile* before = grid.find(0, 0);
@@ -48,10 +48,10 @@ TEST(TileGrid, WritesInPlaceOnceItIsTheOnlyOwner) {
 
 TEST(TileGrid, KeepsItsTilesWhenItGrowsInAnyDirection) {
   TileGrid grid;
-  grid.include(0, 0, 0, 0);
+  ASSERT_TRUE(grid.include(0, 0, 0, 0));
   grid.write(0, 0).log_odds[1] = 4;
   const TileGrid copy = grid;
-  grid.include(-40, -3, 50, 70);
+  ASSERT_TRUE(grid.include(-40, -3, 50, 70));
   EXPECT_EQ(grid.find(0, 0)->log_odds[1], 4);
   EXPECT_EQ(grid.count_shared(copy), 1u);
   EXPECT_LE(grid.min_x(), -40);
@@ -60,7 +60,7 @@ TEST(TileGrid, KeepsItsTilesWhenItGrowsInAnyDirection) {
 
 TEST(TileGrid, MayBeWrittenToByManyThreadsThroughTheirOwnCopies) {
   TileGrid original;
-  original.include(0, 0, 0, 0);
+  ASSERT_TRUE(original.include(0, 0, 0, 0));
   original.write(0, 0).log_odds[0] = 1;
   std::vector<TileGrid> copies(16, original);
   parallel_for(16, 4, [&](int i, int) {
