@@ -126,9 +126,9 @@ std::vector<int> ParticleFilter::choose_parents(const std::vector<Proposal>& pro
 }
 
 int ParticleFilter::most_evident() const {
-  const auto most =
-      std::max_element(particles_.begin(), particles_.end(),
-                       [](const Particle& a, const Particle& b) { return a.log_evidence < b.log_evidence; });
+  const auto most = std::max_element(particles_.begin(), particles_.end(), [](const Particle& a, const Particle& b) {
+    return a.log_evidence < b.log_evidence;
+  });
   return static_cast<int>(most - particles_.begin());
 }
 
