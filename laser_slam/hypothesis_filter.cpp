@@ -27,6 +27,10 @@ int kld_particles(int bins, double error, double quantile) {
 HypothesisFilter::HypothesisFilter(const HypothesisFilterOptions& options, std::uint64_t seed)
     : options_(options), random_(seed, 0) {}
 
+double HypothesisFilter::gain(std::size_t beams) const {
+  return std::min(1.0, options_.effective_beams / std::max(1.0, static_cast<double>(beams)));
+}
+
 void HypothesisFilter::clear() { groups_.clear(); }
 
 void HypothesisFilter::add(const common::Pose2& mean, const Eigen::Matrix3d& covariance, double log_mass) {
@@ -76,7 +80,7 @@ void HypothesisFilter::weigh(Group& group, const BeamModel& model, const std::ve
   log_weights.reserve(group.particles.size());
   for (const Particle& particle : group.particles) {
     log_weights.push_back(std::log(particle.weight) +
-                          options_.likelihood_gain * model.log_likelihood(points, particle.pose));
+                          gain(points.size()) * model.log_likelihood(points, particle.pose));
   }
   const double largest = *std::max_element(log_weights.begin(), log_weights.end());
   if (!std::isfinite(largest)) return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -54,6 +55,9 @@ class HypothesisFilter {
   /// Weighs all particles by a scan (beam ends in base_link), resamples, joins hypotheses that met and gives up those
   /// that became improbable.
   void weigh(const BeamModel& model, const std::vector<Eigen::Vector2d>& points);
+
+  /// What a beam's log-likelihood counts in a scan of so many: effective_beams / beams, at most 1.
+  double gain(std::size_t beams) const;
 
   /// All hypotheses, most probable first.
   std::vector<Hypothesis> hypotheses() const;

@@ -257,11 +257,20 @@ class LaserLocalization::Impl {
     // After a long gap the robot may be anywhere as well as where it was.
     const double prior = first || motion.seconds > local_.longest_gap ? 1.0 : local_.newcomer_prior;
     const double least = std::log(std::max(local_.filter.least_mass, 1e-300));
-    bool any = false;
+    std::vector<std::pair<Pose2, double>> newcomers;  // and their likelihood's logarithm relative to the reference
+    double as_likely = 0.0;                           // how many fit as well as it
     for (const PoseCandidate& candidate : candidates) {
-      const double log_mass = local_.filter.likelihood_gain * (candidate.log_likelihood - reference) + std::log(prior);
-      if (log_mass < least || is_held(candidate.pose)) continue;
-      filter_.add(candidate.pose, diagonal(kCandidateSpread, kCandidateTurn), log_mass);
+      if (is_held(candidate.pose)) continue;
+      const double relative = filter_.gain(points.size()) * (candidate.log_likelihood - reference);
+      newcomers.emplace_back(candidate.pose, relative);
+      as_likely += std::exp(std::min(0.0, relative));
+    }
+    // They share the prior: a map full of places that look alike makes no place of them more probable.
+    const double share = std::log(prior / std::max(1.0, as_likely));
+    bool any = false;
+    for (const auto& [pose, relative] : newcomers) {
+      if (relative + share < least) continue;
+      filter_.add(pose, diagonal(kCandidateSpread, kCandidateTurn), relative + share);
       any = true;
     }
     known_ = filter_.hypotheses();

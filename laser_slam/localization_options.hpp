@@ -51,7 +51,7 @@ struct HypothesisFilterOptions {
   double bin_size = 0.1;
   double bin_angle = 0.09;
   double resample_threshold = 0.5;
-  double likelihood_gain = 0.1;
+  double effective_beams = 12.0;
   double memory = 0.9;
   double least_mass = 1e-4;
   double merge_distance = 0.3;
@@ -68,8 +68,8 @@ struct HypothesisFilterOptions {
     visit.real("bin_angle", bin_angle, {0.01, 1.6}, "rad", "The same in heading.");
     visit.real("resample_threshold", resample_threshold, {0.0, 1.0}, "",
                "Resample a hypothesis when its effective number of particles falls below this share of them.");
-    visit.real("likelihood_gain", likelihood_gain, {1e-4, 1.0}, "",
-               "Share of a beam that counts as independent evidence.");
+    visit.real("effective_beams", effective_beams, {0.1, 1000.0}, "",
+               "Independent evidence in a scan, however many beams it has: neighbouring beams err together.");
     visit.real("memory", memory, {0.0, 1.0}, "",
                "What is left of old evidence between hypotheses at the next update: a small steady difference between "
                "two look-alike places must never become certainty.");
@@ -113,7 +113,7 @@ struct LocalizationOptions {
   double short_weight = 0.5;
   double search_interval = 1.0;
   double newcomer_prior = 0.2;
-  double longest_gap = 1.0;
+  double longest_gap = 2.0;
   BeamModelOptions beam_model;
   PoseSearchOptions search;
   HypothesisFilterOptions filter;
@@ -131,7 +131,8 @@ struct LocalizationOptions {
     visit.real("search_interval", search_interval, {0.0, 60.0}, "s",
                "Time between two searches of the whole map while the pose is doubtful.");
     visit.real("newcomer_prior", newcomer_prior, {1e-6, 1.0}, "",
-               "Probability of a pose the search adds, relative to the best hypothesis if both fit equally well.");
+               "Probability of all poses together that the search adds and that fit as well as the best hypothesis, "
+               "relative to it.");
     visit.real("longest_gap", longest_gap, {0.05, 3600.0}, "s",
                "After a longer time without scans the robot may be anywhere, and the whole map is searched.");
     visit.nested("beam_model", beam_model, "Likelihood of a beam.");
