@@ -23,13 +23,6 @@ double square(double value) { return value * value; }
 
 common::Pose2 to_pose(const Eigen::Vector3d& v) { return {v.x(), v.y(), common::normalize_angle(v.z())}; }
 
-Eigen::Matrix3d calibration_covariance(const MotionOptions& motion) {
-  if (!motion.calibrate) return Eigen::Matrix3d::Zero();
-  return Eigen::Vector3d(square(motion.distance_scale_sigma), square(motion.turn_scale_sigma),
-                         square(common::to_radians(motion.turn_per_distance_sigma)))
-      .asDiagonal();
-}
-
 /// S = H P H^T + R from P H^T.
 Eigen::MatrixXd innovation_covariance(const State& state, std::span<const LinearMeasurement> measurements,
                                       const Eigen::MatrixXd& covariance_times_jacobian) {
@@ -50,28 +43,29 @@ Eigen::VectorXd stacked_residuals(std::span<const LinearMeasurement> measurement
 
 }  // namespace
 
-Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion) : options_(filter), motion_(motion) {
+Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion) : Ekf(filter, make_motion_model(motion)) {}
+
+Ekf::Ekf(const FilterOptions& filter, std::shared_ptr<const MotionModel> motion)
+    : options_(filter), motion_(std::move(motion)) {
   robot_ = state_.append(Eigen::Vector3d::Zero(), BlockKind::kPose, {},
                          square(kFirstPoseSigma) * Eigen::Matrix3d::Identity());
-  calibration_ = state_.append(Eigen::Vector3d::Zero(), BlockKind::kCalibration, {}, calibration_covariance(motion));
+  motion_parameters_ = motion_->append_parameters(state_);
 }
 
 common::Pose2 Ekf::pose() const { return to_pose(state_.mean(robot_)); }
 Eigen::Matrix3d Ekf::pose_covariance() const { return state_.covariance(robot_, robot_); }
-OdometryCalibration Ekf::odometry_calibration() const { return state_.mean(calibration_); }
 common::Pose2 Ekf::past_pose(const PastPose& past) const { return to_pose(state_.mean(past.block)); }
 
-void Ekf::predict(const common::Pose2& odometry_increment) {
-  moved_ = moved_ || odometry_increment.vector() != Eigen::Vector3d::Zero();
-  predict_pose(state_, robot_, calibration_, odometry_increment, motion_);
+void Ekf::predict(const MotionStep& step) {
+  if (motion_->predict(state_, robot_, motion_parameters_, step)) moved_ = true;
 }
 
 std::optional<Projection> Ekf::project(const Camera& camera, const FilterLandmark& landmark,
                                        const common::Pose2& row_shift) const {
   const Eigen::Vector3d numbers = state_.mean(landmark.block);
-  if (!landmark.anchored) return project_cartesian(camera, row_shift, pose(), numbers);
+  if (!landmark.anchored) return project_cartesian(camera, row_shift, pose(), numbers, lever_scale());
   return project_anchored(camera, row_shift, pose(), landmark.anchor, to_pose(state_.mean(landmark.anchor_pose)),
-                          numbers);
+                          numbers, lever_scale());
 }
 
 std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Measurement& measurement) const {
@@ -83,8 +77,19 @@ std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Meas
   linear.noise = square(measurement.bearing.sigma) * Eigen::Matrix2d::Identity();
   linear.jacobian.push_back({robot_, projection->wrt_robot});
   if (landmark.anchored) linear.jacobian.push_back({landmark.anchor_pose, projection->wrt_anchor});
+  if (std::optional<JacobianPart<2>> lever = lever_part(projection->wrt_lever_scale)) {
+    linear.jacobian.push_back(std::move(*lever));
+  }
   linear.jacobian.push_back({landmark.block, projection->wrt_landmark});
   return linear;
+}
+
+std::optional<JacobianPart<2>> Ekf::lever_part(const Eigen::Vector2d& wrt_lever_scale) const {
+  const std::optional<int> index = motion_->lever_scale_index();
+  if (!index) return std::nullopt;
+  JacobianPart<2> part{motion_parameters_, Eigen::MatrixXd::Zero(2, state_.mean(motion_parameters_).size())};
+  part.matrix.col(*index) = wrt_lever_scale;
+  return part;
 }
 
 std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId landmark,
@@ -101,6 +106,14 @@ std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId 
       covariance += by_row * state_.covariance(row, column) * by_column.transpose();
     }
   }
+  if (const std::optional<JacobianPart<2>> lever = lever_part(projection->wrt_lever_scale)) {
+    Eigen::Matrix2d cross = Eigen::Matrix2d::Zero();
+    for (const auto& [row, by_row] : parts) {
+      cross += by_row * state_.covariance(row, lever->block) * lever->matrix.transpose();
+    }
+    covariance += cross + cross.transpose() +
+                  lever->matrix * state_.covariance(lever->block, lever->block) * lever->matrix.transpose();
+  }
   return Prediction{projection->point, covariance};
 }
 
@@ -108,6 +121,20 @@ bool Ekf::depth_is_known(const FilterLandmark& landmark) const {
   if (!landmark.anchored) return true;
   const double rho = state_.mean(landmark.block)[2];
   return std::sqrt(state_.covariance(landmark.block, landmark.block)(2, 2)) < options_.known_depth * rho;
+}
+
+/// For each measurement, whether its parallax may teach the robot. Without metres from the motion model somebody has to
+/// say how fast the robot moves, and while few depths are known that is the inverse depth landmarks start with.
+std::vector<bool> Ekf::which_depths_count(std::span<const Measurement> measurements,
+                                          std::span<const std::size_t> accepted) const {
+  std::vector<bool> count(measurements.size());
+  int known = 0;
+  for (const std::size_t i : accepted) {
+    count[i] = depth_is_known(landmarks_.at(measurements[i].landmark));
+    known += count[i] ? 1 : 0;
+  }
+  if (!motion_->is_metric() && known < options_.min_known_depths) count.assign(count.size(), true);
+  return count;
 }
 
 /// Makes the measurement blind along the direction in which the landmark moves with its inverse depth.
@@ -149,8 +176,7 @@ UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> meas
   std::vector<std::size_t> accepted;
   for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);
 
-  std::vector<bool> depth_known(measurements.size());
-  for (const std::size_t i : accepted) depth_known[i] = depth_is_known(landmarks_.at(measurements[i].landmark));
+  const std::vector<bool> depth_known = which_depths_count(measurements, accepted);
   const Eigen::VectorXd prior = state_.mean();
   for (int iteration = 0; iteration < options_.iterations && !accepted.empty(); ++iteration) {
     linear.clear();
@@ -214,12 +240,16 @@ std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const Landm
     if (numbers.z() < -kImpossible * sigma) impossible.push_back(id);
     if (numbers.z() <= 0.0) continue;
     const common::Pose2 anchor_pose = to_pose(state_.mean(landmark.anchor_pose));
-    const CartesianPoint point = to_cartesian(landmark.anchor, anchor_pose, numbers);
-    const double index = linearity_index(optical_centre(*landmark.anchor.camera, anchor_pose),
-                                         optical_centre(camera, pose()), point.position, numbers.z(), sigma);
+    const CartesianPoint point = to_cartesian(landmark.anchor, anchor_pose, numbers, lever_scale());
+    const double index = linearity_index(optical_centre(*landmark.anchor.camera, anchor_pose, lever_scale()),
+                                         camera_centre(camera), point.position, numbers.z(), sigma);
     if (index > options_.linearity_index) continue;
-    const JacobianPart<Eigen::Dynamic> parts[] = {{landmark.anchor_pose, point.wrt_anchor},
-                                                  {landmark.block, point.wrt_landmark}};
+    std::vector<JacobianPart<Eigen::Dynamic>> parts = {{landmark.anchor_pose, point.wrt_anchor},
+                                                       {landmark.block, point.wrt_landmark}};
+    if (const std::optional<int> column = motion_->lever_scale_index()) {
+      parts.push_back({motion_parameters_, Eigen::MatrixXd::Zero(3, state_.mean(motion_parameters_).size())});
+      parts.back().matrix.col(*column) = point.wrt_lever_scale;
+    }
     state_.transform(landmark.block, point.position, BlockKind::kPoint, parts, Eigen::Matrix3d::Zero());
     landmark.anchored = false;
     --past_pose_of(landmark.anchor_pose).anchored;

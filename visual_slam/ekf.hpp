@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -59,10 +60,19 @@ struct PastPose {
 class Ekf {
  public:
   Ekf(const FilterOptions& filter, const MotionOptions& motion);
+  /// With a motion model of one's own.
+  Ekf(const FilterOptions& filter, std::shared_ptr<const MotionModel> motion);
 
   common::Pose2 pose() const;
   Eigen::Matrix3d pose_covariance() const;
-  OdometryCalibration odometry_calibration() const;
+  /// The numbers of the motion model: for odometry, the OdometryCalibration.
+  Eigen::VectorXd motion_parameters() const { return state_.mean(motion_parameters_); }
+  /// How base_link moves, where the motion model knows it.
+  std::optional<Eigen::Vector3d> twist() const { return motion_->twist(state_, motion_parameters_); }
+  /// How many units of the map a metre is.
+  double lever_scale() const { return motion_->lever_scale(state_, motion_parameters_); }
+  /// Optical centre of a camera in the map.
+  Eigen::Vector3d camera_centre(const Camera& camera) const { return optical_centre(camera, pose(), lever_scale()); }
   const State& state() const { return state_; }
   const std::vector<PastPose>& past_poses() const { return past_poses_; }
   common::Pose2 past_pose(const PastPose& past) const;
@@ -70,8 +80,8 @@ class Ekf {
   std::size_t landmark_count() const { return landmarks_.size(); }
   bool is_cartesian(LandmarkId landmark) const { return !landmarks_.at(landmark).anchored; }
 
-  /// Moves the robot by what the wheel odometry says it moved.
-  void predict(const common::Pose2& odometry_increment);
+  /// Moves the robot as the motion model says.
+  void predict(const MotionStep& step);
   /// Where a landmark should appear in an image taken now; empty when it is behind the camera.
   std::optional<Prediction> predict_bearing(const Camera& camera, LandmarkId landmark,
                                             const common::Pose2& row_shift) const;
@@ -109,6 +119,9 @@ class Ekf {
   std::optional<Projection> project(const Camera& camera, const FilterLandmark& landmark,
                                     const common::Pose2& row_shift) const;
   std::optional<LinearMeasurement> linearise(const Camera& camera, const Measurement& measurement) const;
+  std::optional<JacobianPart<2>> lever_part(const Eigen::Vector2d& wrt_lever_scale) const;
+  std::vector<bool> which_depths_count(std::span<const Measurement> measurements,
+                                       std::span<const std::size_t> accepted) const;
   bool depth_is_known(const FilterLandmark& landmark) const;
   void ignore_parallax(LinearMeasurement& linear) const;
   void learn_depth(const Camera& camera, const Measurement& measurement);
@@ -117,10 +130,10 @@ class Ekf {
   void remove_blocks(std::vector<BlockId> blocks);
 
   FilterOptions options_;
-  MotionOptions motion_;
+  std::shared_ptr<const MotionModel> motion_;
   State state_;
   BlockId robot_;
-  BlockId calibration_;
+  BlockId motion_parameters_;
   std::map<LandmarkId, FilterLandmark> landmarks_;
   std::vector<PastPose> past_poses_;  // by rising stamp
   bool moved_ = true;                 // since the newest past pose was taken

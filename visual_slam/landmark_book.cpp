@@ -72,7 +72,7 @@ std::optional<RecognitionCandidate> LandmarkBook::candidate(const Ekf& filter, c
   if (!point) return std::nullopt;
   RecognitionCandidate result;
   result.id = landmark;
-  result.view = point->position - optical_centre(camera, filter.pose());
+  result.view = point->position - filter.camera_centre(camera);
   if (!recogniser_.comparable(landmark, result.view)) return std::nullopt;
   const double border = options_.front_end.border;
   const double pixel_sigma = options_.filter.pixel_sigma;
@@ -96,7 +96,7 @@ void LandmarkBook::learn_looks(const Ekf& filter, const Camera& camera, const cv
   for (const Track& track : tracks) {
     const std::optional<MapPoint> point = filter.map_point(track.landmark);
     if (!point) continue;
-    recogniser_.remember(track.landmark, picture, track.pixel, point->position - optical_centre(camera, filter.pose()));
+    recogniser_.remember(track.landmark, picture, track.pixel, point->position - filter.camera_centre(camera));
     Record& record = records_.at(track.landmark);
     if (record.descriptor.empty()) {
       pixels.push_back(track.pixel);

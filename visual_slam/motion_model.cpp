@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/angle.hpp"
+#include "visual_slam/constant_velocity.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -12,6 +13,13 @@ namespace {
 constexpr double kSmallTurn = 1e-4;  // [rad] below which series replace quotients
 
 double square(double value) { return value * value; }
+
+Eigen::Matrix3d calibration_covariance(const MotionOptions& motion) {
+  if (!motion.calibrate) return Eigen::Matrix3d::Zero();
+  return Eigen::Vector3d(square(motion.distance_scale_sigma), square(motion.turn_scale_sigma),
+                         square(common::to_radians(motion.turn_per_distance_sigma)))
+      .asDiagonal();
+}
 
 }  // namespace
 
@@ -59,6 +67,22 @@ void predict_pose(State& state, BlockId robot, BlockId calibration, const common
                                                 {calibration, compose.wrt_b * step.wrt_calibration}};
   state.transform(robot, (pose * step.increment).vector(), BlockKind::kPose, parts,
                   compose.wrt_b * step.noise * compose.wrt_b.transpose());
+}
+
+BlockId OdometryMotion::append_parameters(State& state) const {
+  return state.append(Eigen::Vector3d::Zero(), BlockKind::kCalibration, {}, calibration_covariance(options_));
+}
+
+bool OdometryMotion::predict(State& state, BlockId robot, BlockId parameters, const MotionStep& step) const {
+  predict_pose(state, robot, parameters, step.odometry, options_);
+  return step.odometry.vector() != Eigen::Vector3d::Zero();
+}
+
+std::shared_ptr<const MotionModel> make_motion_model(const MotionOptions& options) {
+  if (options.model == MotionModelKind::kConstantVelocity) {
+    return std::make_shared<ConstantVelocity>(options.constant_velocity);
+  }
+  return std::make_shared<OdometryMotion>(options);
 }
 
 }  // namespace slamfuse::visual_slam

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "common/pose2.hpp"
@@ -29,5 +32,49 @@ CalibratedIncrement calibrate_increment(const common::Pose2& measured, const Odo
 /// the noise of the increment and by what is not known of the calibration.
 void predict_pose(State& state, BlockId robot, BlockId calibration, const common::Pose2& measured,
                   const MotionOptions& options);
+
+/// From one image to the next.
+struct MotionStep {
+  double seconds = 0.0;
+  common::Pose2 odometry;  ///< what the wheel odometry says, for those that use it
+};
+
+/// How the robot moves between images. The filter keeps the model's own numbers in the second block of its state.
+class MotionModel {
+ public:
+  virtual ~MotionModel() = default;
+
+  /// Enters the model's numbers, whose first is the relative error of the map's scale (see State::correct).
+  virtual BlockId append_parameters(State& state) const = 0;
+  /// Moves the robot's block. Returns whether the pose may have changed.
+  virtual bool predict(State& state, BlockId robot, BlockId parameters, const MotionStep& step) const = 0;
+  /// Whether the model knows metres. Otherwise the landmarks must teach the robot how fast it moves.
+  virtual bool is_metric() const = 0;
+  /// How many units of the map a metre is.
+  virtual double lever_scale(const State& state, BlockId parameters) const = 0;
+  /// Which of the numbers is the logarithm of lever_scale; empty when it is no number but known.
+  virtual std::optional<int> lever_scale_index() const = 0;
+  /// How base_link moves (units of the map a second, rad/s); empty when the numbers do not say.
+  virtual std::optional<Eigen::Vector3d> twist(const State& state, BlockId parameters) const = 0;
+};
+
+/// Planar motion measured by wheel odometry; its numbers are the OdometryCalibration.
+class OdometryMotion : public MotionModel {
+ public:
+  explicit OdometryMotion(const MotionOptions& options) : options_(options) {}
+
+  BlockId append_parameters(State& state) const override;
+  bool predict(State& state, BlockId robot, BlockId parameters, const MotionStep& step) const override;
+  bool is_metric() const override { return true; }
+  double lever_scale(const State&, BlockId) const override { return 1.0; }
+  std::optional<int> lever_scale_index() const override { return std::nullopt; }
+  std::optional<Eigen::Vector3d> twist(const State&, BlockId) const override { return std::nullopt; }
+
+ private:
+  MotionOptions options_;
+};
+
+/// The model the options name.
+std::shared_ptr<const MotionModel> make_motion_model(const MotionOptions& options);
 
 }  // namespace slamfuse::visual_slam

@@ -5,7 +5,28 @@ namespace slamfuse::visual_slam {
 
 using common::OptionVisitor;
 
+void ConstantVelocityOptions::describe(OptionVisitor& visit) {
+  visit.real("initial_speed_sigma", initial_speed_sigma, {0.0, 10.0}, "1/s", "How fast the robot may be at the start.");
+  visit.real("initial_turn_rate_sigma", initial_turn_rate_sigma, {0.0, 360.0}, "deg/s", "How fast it may be turning.");
+  visit.real("speed_noise", speed_noise, {0.0, 20.0}, "1/s/sqrt(s)", "How fast the speed changes.");
+  visit.real("turn_rate_noise", turn_rate_noise, {0.0, 2000.0}, "deg/s/sqrt(s)", "How fast the turn rate changes.");
+  visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "1/sqrt(1)", "How far the robot slips sideways.");
+  visit.real("lever_scale_sigma", lever_scale_sigma, {0.0, 2.0}, "",
+             "Logarithm of how far the map's unit may be from a metre; turns tell, through the camera's lever arm.");
+  visit.real("unit_sigma", unit_sigma, {0.0, 0.5}, "",
+             "Uncertainty of the map's unit that all lengths share and no measurement may reduce.");
+}
+
+void TurnSearchOptions::describe(OptionVisitor& visit) {
+  visit.real("max_turn", max_turn, {0.0, 90.0}, "deg", "Largest turn that is looked for.");
+}
+
 void MotionOptions::describe(OptionVisitor& visit) {
+  visit.choice(
+      "model", model,
+      {{"odometry", MotionModelKind::kOdometry}, {"constant_velocity", MotionModelKind::kConstantVelocity}},
+      "What says how the robot moves between images: the wheel odometry, or constant speed and turn rate; then the "
+      "map has a scale of its own.");
   visit.real("distance_noise", distance_noise, {0.0, 1.0}, "m/sqrt(m)",
              "Random error of the wheel odometry along the way, growing with the square root of the distance.");
   visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "m/sqrt(m)", "The same across the way.");
@@ -22,6 +43,7 @@ void MotionOptions::describe(OptionVisitor& visit) {
   visit.real("turn_scale_sigma", turn_scale_sigma, {0.0, 0.5}, "", "How far the scale of the turns may be from 1.");
   visit.real("turn_per_distance_sigma", turn_per_distance_sigma, {0.0, 20.0}, "deg/m",
              "How far the wheel odometry may drift in heading on a straight way.");
+  visit.nested("constant_velocity", constant_velocity, "The motion without wheel odometry; lengths in the map's unit.");
 }
 
 void FrontEndOptions::describe(OptionVisitor& visit) {
@@ -66,6 +88,9 @@ void FilterOptions::describe(OptionVisitor& visit) {
   visit.real("gate_probability", gate_probability, {0.5, 0.99999}, "",
              "Share of right measurements the chi-square gate lets pass.");
   visit.integer("iterations", iterations, {1, 10}, "", "Linearisations in an update (iterated Kalman filter).");
+  visit.integer("min_known_depths", min_known_depths, {1, 1000}, "",
+                "Without wheel odometry, parallax of unknown depths teaches the motion, too, in images with fewer "
+                "landmarks of known depth.");
 }
 
 void MapOptions::describe(OptionVisitor& visit) {
@@ -85,8 +110,9 @@ void TrackingOptions::describe(OptionVisitor& visit) {
 }
 
 void VisualSlamOptions::describe(OptionVisitor& visit) {
-  visit.nested("motion", motion, "How far the wheel odometry is trusted.");
+  visit.nested("motion", motion, "How the robot moves, and how far the wheel odometry is trusted.");
   visit.nested("front_end", front_end, "How features are found and followed.");
+  visit.nested("turn_search", turn_search, "Where features are looked for after a turn without wheel odometry.");
   visit.nested("recognition", recognition, "How lost landmarks are found again.");
   visit.nested("filter", filter, "The extended Kalman filter.");
   visit.nested("map", map, "Which landmarks and poses stay in the state.");

@@ -5,9 +5,33 @@
 
 namespace slamfuse::visual_slam {
 
+/// What says how the robot moves between images.
+enum class MotionModelKind { kOdometry, kConstantVelocity };
+
+/// The motion without wheel odometry. Lengths are in units of the map.
+struct ConstantVelocityOptions {
+  double initial_speed_sigma = 0.4;       ///< [1/s]
+  double initial_turn_rate_sigma = 40.0;  ///< [deg/s]
+  double speed_noise = 0.4;               ///< [1/s / sqrt(s)]
+  double turn_rate_noise = 80.0;          ///< [deg/s / sqrt(s)]
+  double lateral_noise = 0.01;            ///< [1/sqrt(1)]
+  double lever_scale_sigma = 0.5;
+  double unit_sigma = 0.02;
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// How far the robot may turn unforeseen between two images of a camera, without wheel odometry.
+struct TurnSearchOptions {
+  double max_turn = 17.0;  ///< [deg]
+
+  void describe(common::OptionVisitor& visit);
+};
+
 /// How far the wheel odometry is trusted. Standard deviations grow with the square root of the distance and of the
 /// turn, as in seed 001 section 4.1 ((0.03 m)^2 / 1 m and (3 deg)^2 / 360 deg).
 struct MotionOptions {
+  MotionModelKind model = MotionModelKind::kOdometry;
   double distance_noise = 0.01;          ///< [m / sqrt(m)]
   double lateral_noise = 0.005;          ///< [m / sqrt(m)]
   double turn_noise_per_distance = 0.6;  ///< [deg / sqrt(m)]
@@ -16,6 +40,7 @@ struct MotionOptions {
   double distance_scale_sigma = 0.02;
   double turn_scale_sigma = 0.03;
   double turn_per_distance_sigma = 1.0;  ///< [deg / m]
+  ConstantVelocityOptions constant_velocity;
 
   void describe(common::OptionVisitor& visit);
 };
@@ -62,6 +87,7 @@ struct FilterOptions {
   double linearity_index = 0.10;
   double gate_probability = 0.99;
   int iterations = 2;
+  int min_known_depths = 6;
 
   void describe(common::OptionVisitor& visit);
 };
@@ -90,6 +116,7 @@ struct TrackingOptions {
 struct VisualSlamOptions {
   MotionOptions motion;
   FrontEndOptions front_end;
+  TurnSearchOptions turn_search;
   RecognitionOptions recognition;
   FilterOptions filter;
   MapOptions map;

@@ -123,6 +123,7 @@ void State::correct(const Eigen::VectorXd& delta) {
     }
     if (block.kind == BlockKind::kPoint) moved(block.offset + 2, 1) = step[2];
     if (block.kind == BlockKind::kInverseDepth) moved(block.offset + 2, 1) = -step[2];
+    if (block.kind == BlockKind::kVelocity) moved(block.offset + 1, 1) = step[1];
   }
   const int heading = blocks_[kRobot].offset + kHeadingIndex;
   const int scale = blocks_[kCalibration].offset;

@@ -18,6 +18,7 @@ enum class BlockKind {
   kPoint,         ///< x, y, z [m] in the map
   kInverseDepth,  ///< a ray relative to a pose and, third, an inverse depth [1/m]
   kCalibration,   ///< first, the relative error of the odometry's scale of distance
+  kVelocity,      ///< first, the relative error of the map's unit; second, a speed [1/s]
 };
 
 /// The most columns a Jacobian part may have: the 13 numbers of a free camera (seed 002 section 2.2).

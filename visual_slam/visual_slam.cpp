@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -16,6 +17,7 @@
 #include "visual_slam/landmark_book.hpp"
 #include "visual_slam/path_recorder.hpp"
 #include "visual_slam/tracking_monitor.hpp"
+#include "visual_slam/turn_search.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -40,6 +42,7 @@ class VisualSlam::Implementation {
   Implementation(const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras)
       : options_(options),
         front_end_(make_front_end(options.front_end, cameras.size())),
+        turn_search_(options.turn_search, cameras.size()),
         book_(options),
         monitor_(options.tracking),
         filter_(options.filter, options.motion) {
@@ -48,7 +51,7 @@ class VisualSlam::Implementation {
 
   bool wants(const common::SensorMessage& message) const {
     if (const auto* image = std::get_if<common::Image>(&message)) return camera_index(image->sensor).has_value();
-    return std::holds_alternative<common::WheelOdometry>(message);
+    return has_odometry() && std::holds_alternative<common::WheelOdometry>(message);
   }
 
   common::ProcessResult process(const common::SensorMessage& message) {
@@ -70,6 +73,8 @@ class VisualSlam::Implementation {
   std::vector<common::Landmark> landmarks() const { return book_.landmarks(filter_); }
 
  private:
+  bool has_odometry() const { return options_.motion.model == MotionModelKind::kOdometry; }
+
   std::optional<std::size_t> camera_index(const std::string& name) const {
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
       if (cameras_[i].camera.name == name) return i;
@@ -94,7 +99,7 @@ class VisualSlam::Implementation {
     if (newest_ && image.stamp < *newest_) {
       return fmt::format("stamp {} of {} is before the newest estimate, {}", image.stamp, image.sensor, *newest_);
     }
-    if (!odometry_.pose_at(image.stamp)) {
+    if (has_odometry() && !odometry_.pose_at(image.stamp)) {
       return fmt::format("no wheel odometry at stamp {}: the planar filter needs it", image.stamp);
     }
     return std::nullopt;
@@ -114,29 +119,41 @@ class VisualSlam::Implementation {
       return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
     }
     std::vector<Track> seen = follow(seeing, picture, evidence);
+    UpdateReport report;
+    if (!has_odometry()) report = update(seeing, seen, report);
     const std::vector<Track> recognised =
-        book_.recognise(filter_, seeing.camera, twist_, picture, numbers(seen), monitor_.map_may_grow());
+        book_.recognise(filter_, seeing.camera, twist_, picture, numbers(seen), map_may_grow());
     seen.insert(seen.end(), recognised.begin(), recognised.end());
-    const UpdateReport report = update(seeing, seen);
+    report = update(seeing, seen, report);
     account(seeing, seen, report, events);
     book_.learn_looks(filter_, seeing.camera, picture, seeing.tracks);
     keep_pose(image.stamp);
     evidence.inliers = report.inliers;
     evidence.textured = has_texture(seeing, evidence.inliers);
     judge(evidence, events);
-    if (monitor_.map_may_grow()) add_features(seeing, picture);
+    if (map_may_grow()) add_features(seeing, picture);
     limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
   }
 
   void predict(Nanoseconds stamp) {
+    if (has_odometry()) {
+      predict_by_odometry(stamp);
+    } else {
+      if (newest_) filter_.predict({common::to_seconds(stamp - *newest_), {}});
+      twist_ = *filter_.twist();
+      odometry_pose_ = filter_.pose();
+    }
+    newest_ = stamp;
+  }
+
+  void predict_by_odometry(Nanoseconds stamp) {
     const Pose2 now = *odometry_.pose_at(stamp);
-    if (newest_) filter_.predict(odometry_pose_.inverse() * now);
+    if (newest_) filter_.predict({common::to_seconds(stamp - *newest_), odometry_pose_.inverse() * now});
     const std::optional<Pose2> before = odometry_.pose_at(stamp - kTwistInterval);
     twist_ = before ? Eigen::Vector3d(common::log_se2(before->inverse() * now) / common::to_seconds(kTwistInterval))
                     : Eigen::Vector3d::Zero();
     odometry_pose_ = now;
-    newest_ = stamp;
   }
 
   /// The features of the camera's previous picture that are found again in this one.
@@ -147,6 +164,7 @@ class VisualSlam::Implementation {
       if (pixel && seeing.camera.sees(*pixel, 0.0)) expected.push_back({track.landmark, track.pixel, *pixel});
     }
     evidence.expected = static_cast<int>(expected.size());
+    if (!has_odometry()) turn_predictions(seeing, picture, expected);
     std::vector<Track> seen;
     for (const FoundFeature& found : front_end_->follow(index_of(seeing), picture, expected)) {
       seen.push_back({found.id, found.pixel});
@@ -154,15 +172,33 @@ class VisualSlam::Implementation {
     return seen;
   }
 
+  /// Moves the predicted pixels to where a turn nobody told of has taken them.
+  void turn_predictions(const CameraTracks& seeing, const cv::Mat& picture, std::vector<ExpectedFeature>& expected) {
+    const double turn = turn_search_.find(index_of(seeing), seeing.camera, picture, expected);
+    for (ExpectedFeature& feature : expected) {
+      feature.predicted = turned_pixel(seeing.camera, feature.predicted, turn).value_or(feature.predicted);
+    }
+  }
+
   std::size_t index_of(const CameraTracks& seeing) const { return static_cast<std::size_t>(&seeing - cameras_.data()); }
 
-  UpdateReport update(const CameraTracks& seeing, const std::vector<Track>& seen) {
+  /// Corrects the filter by what was seen and is not in the report `so_far`; returns the report on all.
+  UpdateReport update(const CameraTracks& seeing, const std::vector<Track>& seen, const UpdateReport& so_far) {
+    const std::size_t done = so_far.accepted.size();
     std::vector<Measurement> measurements;
-    for (const Track& track : seen) {
+    for (const Track& track : std::span(seen).subspan(done)) {
       measurements.push_back(
           {track.landmark, make_bearing(seeing.camera, track.pixel, options_.filter.pixel_sigma, twist_)});
     }
-    return filter_.update(seeing.camera, measurements);
+    UpdateReport report = filter_.update(seeing.camera, measurements);
+    if (!has_odometry()) twist_ = *filter_.twist();
+    if (done == 0) return report;
+    report.accepted.insert(report.accepted.begin(), so_far.accepted.begin(), so_far.accepted.end());
+    const int inliers = report.inliers + so_far.inliers;
+    report.mean_nis = (report.mean_nis * report.inliers + so_far.mean_nis * so_far.inliers) /
+                      static_cast<double>(std::max(1, inliers));
+    report.inliers = inliers;
+    return report;
   }
 
   /// Keeps what was accepted, counts what failed, and lets go what is no use.
@@ -230,6 +266,12 @@ class VisualSlam::Implementation {
     }
   }
 
+  /// Whether what is seen may be entered at the estimated pose. Without wheel odometry there is nothing that an image
+  /// could contradict: features lost in a quick turn are replaced as long as the constant motion bridges the gap.
+  bool map_may_grow() const {
+    return has_odometry() ? monitor_.map_may_grow() : monitor_.state() != common::TrackingState::kLost;
+  }
+
   void keep_pose(Nanoseconds stamp) {
     const Pose2 since = last_keyframe_ ? last_keyframe_->inverse() * odometry_pose_ : Pose2{};
     if (!last_keyframe_ || since.translation().norm() > options_.map.keyframe_distance ||
@@ -280,6 +322,7 @@ class VisualSlam::Implementation {
     }
     waiting_events_.clear();
     result.events = std::move(events);
+    if (!has_odometry()) odometry_pose_ = result.pose;
     path_.add(*newest_, odometry_pose_, result.pose);
     return result;
   }
@@ -307,6 +350,7 @@ class VisualSlam::Implementation {
   VisualSlamOptions options_;
   std::vector<CameraTracks> cameras_;  // fixed once built: the filter keeps pointers to the cameras
   std::unique_ptr<FrontEnd> front_end_;
+  TurnSearch turn_search_;  // without wheel odometry
   LandmarkBook book_;
   TrackingMonitor monitor_;
   Ekf filter_;

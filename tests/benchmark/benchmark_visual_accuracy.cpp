@@ -32,8 +32,9 @@ struct Run {
   std::size_t rejected = 0;
 };
 
-void print_row(const char* name, const common::Trajectory2& estimate, const common::Trajectory2& truth) {
-  const auto accuracy = common::evaluate_trajectory(estimate, truth);
+void print_row(const char* name, const common::Trajectory2& estimate, const common::Trajectory2& truth,
+               common::EvaluationAlignment align = common::EvaluationAlignment::kSe2) {
+  const auto accuracy = common::evaluate_trajectory(estimate, truth, {.align = align, .T_reference_estimate = {}});
   if (!accuracy) {
     std::printf("%-10s %s\n", name, accuracy.error().message.c_str());
     return;
@@ -84,10 +85,11 @@ int main(int argc, char** argv) {
     if (!item) return fail(item.error().message);
     if (!*item) break;
     const auto* message = std::get_if<common::SensorMessage>(&**item);
-    if (message == nullptr || !(*slam)->wants(*message)) continue;
+    if (message == nullptr) continue;
     if (const auto* odometry = std::get_if<common::WheelOdometry>(message)) {
       run.odometry.push_back({odometry->stamp, odometry->pose});
     }
+    if (!(*slam)->wants(*message)) continue;
     const std::clock_t cpu_start = std::clock();
     const auto start = std::chrono::steady_clock::now();
     const common::ProcessResult result = (*slam)->process(*message);
@@ -102,8 +104,11 @@ int main(int argc, char** argv) {
     }
   }
   print_row("odometry", run.odometry, *truth);
-  print_row("online", run.online, *truth);
-  print_row("final", (*slam)->final_trajectory(), *truth);
+  const auto align = options.motion.model == visual_slam::MotionModelKind::kOdometry
+                         ? common::EvaluationAlignment::kSe2
+                         : common::EvaluationAlignment::kSim2;
+  print_row("online", run.online, *truth, align);
+  print_row("final", (*slam)->final_trajectory(), *truth, align);
   std::sort(run.milliseconds.begin(), run.milliseconds.end());
   double sum = 0.0;
   for (const double value : run.milliseconds) sum += value;

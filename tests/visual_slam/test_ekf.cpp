@@ -50,7 +50,7 @@ class Simulation {
     truth_ = truth_ * Pose2{step.increment.x + sigma.x() * noise_.gaussian(),
                             step.increment.y + sigma.y() * noise_.gaussian(),
                             step.increment.theta + sigma.z() * noise_.gaussian()};
-    filter.predict(measured);
+    filter.predict({common::to_seconds(kFrame), measured});
   }
 
   void look(Ekf& filter, const Camera& camera) {
@@ -226,7 +226,7 @@ TEST(Ekf, KeyframesStayWithinTheirLimit) {
   Ekf filter(filter_options(), {});
 
   for (int i = 0; i < 50; ++i) {
-    filter.predict({0.1, 0.0, 0.0});
+    filter.predict({common::to_seconds(kFrame), {0.1, 0.0, 0.0}});
     filter.add_keyframe(i * kFrame, 10);
   }
 
