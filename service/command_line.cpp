@@ -115,7 +115,7 @@ class RunFlags {
     command_->add_option("--cameras", request_.cameras, "Cameras to use, e.g. cam0,cam1 (default: all)")
         ->delimiter(',')
         ->allow_extra_args(false);
-    command_->add_option("--visual-odometry", visual_odometry_, "Whether visual SLAM gets the wheel odometry")
+    command_->add_option("--visual-odometry", visual_odometry_, "off: visual SLAM runs without wheel odometry")
         ->check(CLI::IsMember({"on", "off"}));
     command_->add_option("--from", request_.from, "Start this many seconds into the recording")
         ->check(finite_from(0.0));
@@ -141,10 +141,6 @@ class RunFlags {
       if (!map_) return common::usage_error("--mode localization: needs the --map to localise in");
       request_.mode = RunMode::kLocalization;
     }
-    if (visual_odometry_ == "off") {
-      return common::usage_error(
-          "--visual-odometry off: not available in this version, visual SLAM needs the odometry");
-    }
     auto configuration = configuration_.read();
     if (!configuration) return tl::unexpected(configuration.error());
     auto delay = parse_seconds_by_sensor("--arrival-delay", arrival_delay_, 0.0);
@@ -152,6 +148,9 @@ class RunFlags {
     auto offset = parse_seconds_by_sensor("--stamp-offset", stamp_offset_, -HUGE_VAL);
     if (!offset) return tl::unexpected(offset.error());
     request_.configuration = *configuration;
+    if (visual_odometry_ == "off") {
+      request_.configuration.visual.motion.model = visual_slam::MotionModelKind::kConstantVelocity;
+    }
     request_.arrival_delay = *delay;
     request_.stamp_offset = *offset;
     request_.to = to_;

@@ -28,7 +28,8 @@ common::Trajectory2 clock_ticks(common::Nanoseconds first, common::Nanoseconds l
 
 }  // namespace
 
-common::Result<void> judge(const std::filesystem::path& recording, RunSummary& summary) {
+common::Result<void> judge(const std::filesystem::path& recording, const std::set<std::string>& free_scale,
+                           RunSummary& summary) {
   const auto truth = common::read_ground_truth(recording);
   if (!truth) return tl::unexpected(truth.error());
   summary.truth = between(common::sorted_by_stamp(*truth), summary.first_stamp, summary.last_stamp);
@@ -42,7 +43,9 @@ common::Result<void> judge(const std::filesystem::path& recording, RunSummary& s
   if (summary.truth.empty()) return {};
   for (const auto& [name, trajectory] : summary.trajectories) {
     // A trajectory with too little in common with the truth has no accuracy; its row is left out.
-    if (auto accuracy = common::evaluate_trajectory(trajectory, summary.truth)) {
+    common::EvaluationOptions options;
+    if (free_scale.contains(name)) options.align = common::EvaluationAlignment::kSim2;
+    if (auto accuracy = common::evaluate_trajectory(trajectory, summary.truth, options)) {
       summary.accuracy.push_back({name, std::move(*accuracy)});
     }
   }

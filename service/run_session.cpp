@@ -222,7 +222,7 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   gather(summary);
   summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary.peak_rss_mb = peak_rss_mb();
-  if (auto judged = judge(request_.recording, summary); !judged) return tl::unexpected(judged.error());
+  if (auto judged = judge(request_.recording, free_scale(), summary); !judged) return tl::unexpected(judged.error());
   return summary;
 }
 
@@ -231,6 +231,12 @@ common::SlamModule* RunSession::laser() const {
 }
 
 common::OccupancyGrid RunSession::grid() const { return localization_ ? localization_->grid() : laser_->grid(); }
+
+std::set<std::string> RunSession::free_scale() const {
+  if (!visual_ || request_.configuration.visual.motion.model == visual_slam::MotionModelKind::kOdometry) return {};
+  if (laser()) return {"visual", "visual_final"};
+  return {"visual", "visual_final", "fused", "fused_final"};
+}
 
 void RunSession::gather(RunSummary& summary) const {
   const auto laser_final = laser() ? laser()->final_trajectory() : common::Trajectory2{};

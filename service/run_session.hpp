@@ -4,6 +4,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,7 @@ class RunSession {
   common::SlamModule* laser() const;
   common::OccupancyGrid grid() const;
   void gather(RunSummary& summary) const;
+  std::set<std::string> free_scale() const;  // trajectories that have no metres
 
   RunRequest request_;
   std::unique_ptr<common::Recording> recording_;

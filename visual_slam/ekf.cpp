@@ -43,10 +43,8 @@ Eigen::VectorXd stacked_residuals(std::span<const LinearMeasurement> measurement
 
 }  // namespace
 
-Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion) : Ekf(filter, make_motion_model(motion)) {}
-
-Ekf::Ekf(const FilterOptions& filter, std::shared_ptr<const MotionModel> motion)
-    : options_(filter), motion_(std::move(motion)) {
+Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion)
+    : options_(filter), motion_(make_motion_model(motion)) {
   robot_ = state_.append(Eigen::Vector3d::Zero(), BlockKind::kPose, {},
                          square(kFirstPoseSigma) * Eigen::Matrix3d::Identity());
   motion_parameters_ = motion_->append_parameters(state_);

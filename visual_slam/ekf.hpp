@@ -60,8 +60,6 @@ struct PastPose {
 class Ekf {
  public:
   Ekf(const FilterOptions& filter, const MotionOptions& motion);
-  /// With a motion model of one's own.
-  Ekf(const FilterOptions& filter, std::shared_ptr<const MotionModel> motion);
 
   common::Pose2 pose() const;
   Eigen::Matrix3d pose_covariance() const;

@@ -15,7 +15,8 @@
 
 namespace slamfuse::visual_slam {
 
-/// Monocular and multi-camera EKF SLAM (seeds 000 to 002): wheel odometry predicts the planar pose of base_link, the
+/// Monocular and multi-camera EKF SLAM (seeds 000 to 002): wheel odometry, or without it a constant velocity (then the
+/// map has a scale of its own, see ConstantVelocity), predicts the planar pose of base_link, the
 /// features of any number of cameras, each with its own stamps, rate, mounting and lens, correct it and the landmarks.
 ///
 /// The map frame is base_link at the first image. Each accepted image makes one estimate, at the image's own stamp.
@@ -29,10 +30,11 @@ class VisualSlam : public common::SlamModule {
   ~VisualSlam() override;
 
   common::PoseSource source() const override { return common::PoseSource::kVisual; }
-  /// Wheel odometry, and images of the cameras it was made for.
+  /// Images of the cameras it was made for, and wheel odometry unless the motion model is constant velocity.
   bool wants(const common::SensorMessage& message) const override;
   /// Rejects images of the wrong size, of an unknown camera, with a stamp that repeats or steps back for that camera,
-  /// older than the newest estimate, and images at whose stamp no wheel odometry is known (the planar filter needs it).
+  /// older than the newest estimate, and, with odometry as the motion model,
+  /// images at whose stamp none is known.
   common::ProcessResult process(const common::SensorMessage& message) override;
   /// SetPose replaces the pose and keeps the map; Reset forgets the map and starts the next epoch at the origin. A
   /// search of the whole map (Relocalise) is not done yet: an event of the next estimate says so, nothing else changes.

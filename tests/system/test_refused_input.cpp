@@ -91,11 +91,8 @@ TEST(RefusedInput, WrongUsage) {
   expect_refused(flat().string(), {"--arrival-delay", "cam9=1"}, kWrongUsage, {"cam9", "cam0"});
   expect_refused(flat().string(), {"--stamp-offset", "cam0"}, kWrongUsage, {"SENSOR=SECONDS"});
   expect_refused(flat().string(), {"--mode", "localization"}, kWrongUsage, {"--mode localization", "--map"});
+  expect_refused(flat().string(), {"--visual-odometry", "maybe"}, kWrongUsage, {"--visual-odometry", "maybe"});
   expect_refused(flat().string(), {"--no-such-flag"}, kWrongUsage, {"--no-such-flag"});
-}
-
-TEST(RefusedInput, WhatThisVersionCannotDoYet) {
-  expect_refused(flat().string(), {"--visual-odometry", "off"}, kWrongUsage, {"--visual-odometry", "not available"});
 }
 
 TEST(RefusedInput, OutputFolderThatCannotBeMade) {

@@ -41,6 +41,19 @@ TEST(Run, WritesEveryFileOfTheContractAndNothingElse) {
   EXPECT_THAT(read_text(scratch / "out/report.html"), HasSubstr("</html>"));
 }
 
+TEST(Run, WithholdsTheWheelOdometryFromVisualSlamAndGivesItTheScaleWhenJudged) {
+  const Scratch scratch;
+  const Outcome outcome = run_program(run_flat(scratch / "out", {"--to", "8", "--visual-odometry", "off"}));
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  const auto metrics = read_json(scratch / "out/metrics.json");
+
+  EXPECT_EQ(metrics["modules"]["visual"]["inputs"], metrics["modules"]["visual"]["poses"]) << "images, no odometry";
+  EXPECT_GT(metrics["modules"]["visual"]["coverage"], 0.9);
+  for (const std::string name : {"visual", "visual_final"}) EXPECT_EQ(metrics["accuracy"][name]["align"], "sim2");
+  for (const std::string name : {"odometry", "laser", "fused"}) EXPECT_EQ(metrics["accuracy"][name]["align"], "se2");
+  EXPECT_LT(metrics["accuracy"]["visual"]["ate_rmse_m"], 0.1);
+}
+
 TEST(Run, WritesMetricsAsTheContractSays) {
   const Scratch scratch;
   ASSERT_EQ(run_program(run_flat(scratch / "out", {"--to", "8", "--seed", "7"})).exit_status, 0);

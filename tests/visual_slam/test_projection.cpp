@@ -70,6 +70,30 @@ TEST_F(ProjectionTest, CartesianJacobiansMatchFiniteDifferences) {
   EXPECT_EQ(projection->wrt_anchor.norm(), 0.0);
 }
 
+TEST_F(ProjectionTest, DerivativesByTheScaleOfTheLeverArmMatchFiniteDifferences) {
+  const Eigen::Vector3d point(3.5, 1.6, 1.4);
+  const Eigen::Vector3d landmark(0.12, -0.2, 0.3);
+  const double scale = 1.7;
+  const auto cartesian = [&](double log_scale) {
+    return *project_cartesian(camera_, row_shift_, robot_, point, std::exp(log_scale));
+  };
+  const auto anchored = [&](double log_scale) {
+    return *project_anchored(camera_, row_shift_, robot_, anchor_, anchor_pose_, landmark, std::exp(log_scale));
+  };
+  const auto place = [&](double log_scale) {
+    return to_cartesian(anchor_, anchor_pose_, landmark, std::exp(log_scale));
+  };
+  const double at = std::log(scale);
+
+  const Eigen::Vector2d by_cartesian = (cartesian(at + kStep).point - cartesian(at - kStep).point) / (2.0 * kStep);
+  const Eigen::Vector2d by_anchored = (anchored(at + kStep).point - anchored(at - kStep).point) / (2.0 * kStep);
+  const Eigen::Vector3d by_place = (place(at + kStep).position - place(at - kStep).position) / (2.0 * kStep);
+
+  EXPECT_LT((cartesian(at).wrt_lever_scale - by_cartesian).norm(), 1e-7);
+  EXPECT_LT((anchored(at).wrt_lever_scale - by_anchored).norm(), 1e-7);
+  EXPECT_LT((place(at).wrt_lever_scale - by_place).norm(), 1e-7);
+}
+
 TEST_F(ProjectionTest, InverseDepthJacobiansMatchFiniteDifferences) {
   for (const double rho : {0.5, 0.05, 0.0, -0.02}) {
     const Eigen::Vector3d landmark(0.12, -0.2, rho);

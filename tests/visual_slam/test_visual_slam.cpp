@@ -8,6 +8,7 @@
 #include <span>
 
 #include "common/recording.hpp"
+#include "common/trajectory_evaluation.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -135,6 +136,54 @@ TEST_F(VisualSlamTest, AFrozenPictureWhileDrivingIsNotBelieved) {
   const std::vector<PoseEstimate> estimates = run(*slam, messages);
 
   EXPECT_NE(estimates.back().state, TrackingState::kTracking);
+}
+
+/// Without wheel odometry.
+class FreeVisualSlamTest : public VisualSlamTest {
+ protected:
+  static std::unique_ptr<VisualSlam> make_free() {
+    VisualSlamOptions options;
+    options.motion.model = MotionModelKind::kConstantVelocity;
+    return std::move(*VisualSlam::create(options, *cameras_, 1, 1));
+  }
+};
+
+TEST_F(FreeVisualSlamTest, FollowsThePathUpToAScaleWithoutWantingOdometry) {
+  const auto slam = make_free();
+  common::Trajectory2 odometry, estimated;
+  std::vector<common::SensorMessage> images;
+  for (const auto& message : *messages_) {
+    if (slam->wants(message)) images.push_back(message);
+    if (const auto* wheels = std::get_if<common::WheelOdometry>(&message)) {
+      odometry.push_back({wheels->stamp, wheels->pose});
+    }
+  }
+
+  for (const PoseEstimate& estimate : run(*slam, images)) {
+    EXPECT_EQ(estimate.state, TrackingState::kTracking);
+    estimated.push_back({estimate.stamp, estimate.pose});
+  }
+
+  ASSERT_GT(images.size(), 40U);
+  EXPECT_LT(images.size(), messages_->size());
+  const auto accuracy = common::evaluate_trajectory(
+      estimated, odometry, {.align = common::EvaluationAlignment::kSim2, .T_reference_estimate = {}});
+  ASSERT_TRUE(accuracy);
+  EXPECT_LT(accuracy->ate_rmse_m, 0.1);
+}
+
+TEST_F(FreeVisualSlamTest, IsLostWhenBlind) {
+  const auto slam = make_free();
+  std::vector<common::SensorMessage> images;
+  for (const auto& message : *messages_) {
+    if (slam->wants(message)) images.push_back(message);
+  }
+  for (std::size_t i = images.size() / 3; i < images.size(); ++i) images[i] = painted(images[i], 0);
+
+  const std::vector<PoseEstimate> estimates = run(*slam, images);
+
+  EXPECT_EQ(estimates[images.size() / 4].state, TrackingState::kTracking);
+  EXPECT_EQ(estimates.back().state, TrackingState::kLost);
 }
 
 TEST_F(VisualSlamTest, UnusableImagesAreRejectedWithTheReason) {
