@@ -254,7 +254,7 @@ TEST_F(CarmenRecordingTest, TurnsTheReferenceIntoPosesOfBaseLink) {
 
 TEST(CarmenLogs, OfRadishHaveTheirKnownNumbersOfScansAndPathLength) {
   const char* const root = std::getenv("SLAMFUSE_RECORDINGS");
-  if (root == nullptr) GTEST_SKIP() << "SLAMFUSE_RECORDINGS is not set: no real recordings to read";
+  if (root == nullptr || *root == '\0') GTEST_SKIP() << "SLAMFUSE_RECORDINGS is not set: no real recordings to read";
   const std::array<std::pair<const char*, std::size_t>, 4> logs{
       {{"intel", 13631}, {"fr079", 4934}, {"aces", 7374}, {"mit-csail", 1988}}};
   for (const auto& [name, scans] : logs) {
