@@ -71,7 +71,7 @@ class LaserLocalization::Impl {
         field_(grid_, local_.beam_model.farthest),
         model_(field_, local_.beam_model),
         search_(field_, local_.beam_model, local_.search),
-        matcher_(options.matcher, options.likelihood_gain),
+        matcher_(options.matcher, options.evidence_gain(calibration.beams)),
         predictor_(options.motion),
         filter_(local_.filter, seed),
         monitor_(local_.monitor) {}
@@ -221,7 +221,7 @@ class LaserLocalization::Impl {
       }
     }
     pose_ = located.pose;
-    const Eigen::Matrix3d information = covariance_.inverse() + options_.likelihood_gain * located.fit.information;
+    const Eigen::Matrix3d information = covariance_.inverse() + matcher_.gain() * located.fit.information;
     covariance_ = information.inverse() + floor_covariance();
     return located;
   }

@@ -14,10 +14,12 @@
 #include "laser_slam/degeneracy.hpp"
 #include "laser_slam/loop_detector.hpp"
 #include "laser_slam/map_state.hpp"
+#include "laser_slam/motion_accumulator.hpp"
 #include "laser_slam/motion_model.hpp"
 #include "laser_slam/motion_predictor.hpp"
 #include "laser_slam/particle_filter.hpp"
 #include "laser_slam/path_log.hpp"
+#include "laser_slam/path_refinement.hpp"
 #include "laser_slam/scan_tracker.hpp"
 #include "laser_slam/tracking_monitor.hpp"
 
@@ -33,8 +35,7 @@ constexpr double kHeadingFloor = 0.002;    // [rad] the same
 constexpr double kDegenerateEvery = 10.0;  // [m] of path between two events of being degenerate
 
 FilterSettings filter_settings(const LaserSlamOptions& options) {
-  return {options.particles, options.resample_threshold, options.likelihood_gain, options.proposal_spread,
-          options.lost_agreement};
+  return {options.particles, options.resample_threshold, options.proposal_spread, options.lost_agreement};
 }
 
 }  // namespace
@@ -46,12 +47,14 @@ class LaserSlam::Impl {
       : options_(options),
         sensor_(std::move(sensor)),
         calibration_(calibration),
+        threads_(threads),
         predictor_(options.motion),
-        matcher_(options.matcher, options.likelihood_gain),
+        matcher_(options.matcher, options.evidence_gain(calibration.beams)),
         tracker_(matcher_, options.matcher, options.motion),
         filter_(filter_settings(options), matcher_, seed, threads),
         loops_(options.loops),
-        monitor_({options.uncertain_agreement, options.lost_agreement, options.lost_time}) {}
+        monitor_({options.uncertain_agreement, options.lost_agreement, options.lost_time}),
+        motion_(options.motion) {}
 
   const std::string& sensor() const { return sensor_; }
 
@@ -84,6 +87,8 @@ class LaserSlam::Impl {
     started_ = false;
     ++epoch_;
     path_.clear();
+    keyframes_.clear();
+    refined_.reset();
     path_length_ = 0.0;
     held_at_ = 0.0;
     degenerate_told_ = -kDegenerateEvery;
@@ -96,17 +101,26 @@ class LaserSlam::Impl {
     announce("relocalise_refused", "searching the whole map needs a finished map: not while mapping");
   }
 
-  common::Trajectory2 final_trajectory() const {
-    return started_ ? path_.compose(filter_.best_path()) : common::Trajectory2{};
+  void refine() {
+    if (!started_ || refined_ || restored_map_ || !options_.refinement.enabled) return;
+    Refined refined{refine_path(keyframes_, filter_.best_path(), matcher_, options_.map, options_.refinement,
+                                options_.loops.min_path, threads_),
+                    GridMap(options_.map)};
+    refined.map = draw_map(keyframes_, refined.path, options_.map);
+    refined_ = std::move(refined);
   }
 
-  common::OccupancyGrid grid() const {
-    return started_ ? to_occupancy_grid(filter_.best().map) : common::OccupancyGrid{};
+  common::Trajectory2 final_trajectory() const {
+    if (!started_) return {};
+    return path_.compose(refined_ ? refined_->path : filter_.best_path());
   }
+
+  common::OccupancyGrid grid() const { return started_ ? to_occupancy_grid(map()) : common::OccupancyGrid{}; }
 
   common::Result<std::string> serialize() const {
     if (!started_) return common::failed("laser_slam: nothing mapped yet, there is no state to save");
-    return serialize_state({pose_, path_length_, filter_.best().map});
+    const common::Pose2 pose = refined_ ? refined_->path.back() * motion_.matched() : pose_;
+    return serialize_state({pose, path_length_, map()});
   }
 
   common::Result<void> restore(const std::string& bytes) {
@@ -120,6 +134,14 @@ class LaserSlam::Impl {
   }
 
  private:
+  /// The path and map in hindsight.
+  struct Refined {
+    std::vector<common::Pose2> path;  // of the keyframes
+    GridMap map;
+  };
+
+  const GridMap& map() const { return refined_ ? refined_->map : filter_.best().map; }
+
   static Eigen::Matrix3d floor_covariance() {
     return Eigen::Vector3d(kPoseFloor * kPoseFloor, kPoseFloor * kPoseFloor, kHeadingFloor * kHeadingFloor)
         .asDiagonal();
@@ -148,6 +170,7 @@ class LaserSlam::Impl {
   void place(const common::SetPose& command) {
     const common::Pose2 pose{command.pose.x, command.pose.y, common::normalize_angle(command.pose.theta)};
     filter_.scatter(pose, command.covariance + floor_covariance());
+    keyframes_.push_back({{}, path_length_, false, {}});
     begin_segment(std::nullopt);
     predictor_.forget_speed();
     monitor_.reset();
@@ -171,7 +194,9 @@ class LaserSlam::Impl {
       InsertionScratch scratch;
       map.insert(beams, pose, path_length_, scratch);
     }
+    restored_map_ = restored_.has_value();
     restored_.reset();
+    keyframes_.assign(1, {StoredScan(beams), path_length_, !restored_map_, {}});
     filter_.start(pose, map);
     predictor_.start(stamp);
     started_ = true;
@@ -197,32 +222,20 @@ class LaserSlam::Impl {
     predictor_.finish(stamp, prediction, tracked.increment);
     pose_ = tracked.match.pose;
     path_length_ += std::hypot(tracked.increment.x, tracked.increment.y);
-    matched_travel_ += tracked.increment;
-    matched_ = matched_ * tracked.increment;
-    // Where the odometry is not to be believed the match stands in for it, as uncertain as a prediction.
-    const bool believed = prediction.from_odometry && !tracked.odometry_doubted;
-    const common::Pose2 increment = believed ? prediction.increment : tracked.increment;
-    odometry_ = odometry_ * increment;
-    if (believed) {
-      odometry_travel_ += increment;
-    } else {
-      predicted_covariance_ += prediction_covariance(std::min(std::abs(prediction.seconds), 0.2), options_.motion);
-    }
+    motion_.add(prediction, tracked);
   }
 
   bool update_due(common::Nanoseconds stamp) const {
-    return matched_travel_.distance >= options_.update_distance || matched_travel_.turn >= options_.update_angle ||
+    return motion_.matched_travel().distance >= options_.update_distance ||
+           motion_.matched_travel().turn >= options_.update_angle ||
            (options_.update_interval > 0.0 &&
             std::abs(common::to_seconds(stamp - last_update_stamp_)) >= options_.update_interval);
   }
 
   void update(common::Nanoseconds stamp, const ScanBeams& beams) {
-    MotionSinceUpdate motion;
-    motion.increment = odometry_;
-    motion.covariance = odometry_covariance(odometry_travel_, options_.motion) + predicted_covariance_;
-    motion.guess = matched_;
-    const common::Pose2 arrival = matched_;
-    filter_.update(beams, motion, path_length_, monitor_.may_map());
+    const common::Pose2 arrival = motion_.matched();
+    keyframes_.push_back({StoredScan(beams), path_length_, monitor_.may_map(), motion_.candidates()});
+    filter_.update(beams, motion_.believed(), path_length_, monitor_.may_map());
     last_update_stamp_ = stamp;
     begin_segment(arrival);
   }
@@ -230,11 +243,8 @@ class LaserSlam::Impl {
   /// The online path continues from the best particle, wherever it is now.
   void begin_segment(std::optional<common::Pose2> arrival) {
     pose_ = filter_.best().pose;
-    matched_ = {};
-    odometry_ = {};
-    matched_travel_ = {};
-    odometry_travel_ = {};
-    predicted_covariance_.setZero();
+    motion_.clear();
+    refined_.reset();
     path_.begin_segment(arrival);
   }
 
@@ -245,7 +255,7 @@ class LaserSlam::Impl {
   }
 
   common::PoseEstimate estimate(common::Nanoseconds stamp, const ScanBeams& beams, const ScanFit& fit, bool closed) {
-    path_.add(stamp, matched_);
+    path_.add(stamp, motion_.matched());
     common::PoseEstimate estimate;
     estimate.stamp = stamp;
     estimate.source = common::PoseSource::kLaser;
@@ -262,9 +272,8 @@ class LaserSlam::Impl {
 
   /// Spread of the particles plus that of the match given the motion since the last update. Never zero.
   Eigen::Matrix3d covariance(const ScanFit& fit) const {
-    const Eigen::Matrix3d prior =
-        to_parent_frame(odometry_covariance(matched_travel_, options_.motion) + predicted_covariance_, pose_).inverse();
-    return filter_.spread() + (prior + options_.likelihood_gain * fit.information).inverse() + floor_covariance();
+    const Eigen::Matrix3d prior = to_parent_frame(motion_.covariance(), pose_).inverse();
+    return filter_.spread() + (prior + matcher_.gain() * fit.information).inverse() + floor_covariance();
   }
 
   void report_events(common::PoseEstimate& estimate, const ScanFit& fit, bool closed) {
@@ -291,6 +300,7 @@ class LaserSlam::Impl {
   LaserSlamOptions options_;
   std::string sensor_;
   common::LaserCalibration calibration_;
+  int threads_;
   MotionPredictor predictor_;
   ScanMatcher matcher_;
   ScanTracker tracker_;
@@ -307,13 +317,11 @@ class LaserSlam::Impl {
   double path_length_ = 0.0;                 // [m] since the map was begun
   common::Nanoseconds last_update_stamp_ = 0;
   std::vector<common::Event> pending_;
+  MotionAccumulator motion_;  // since the last filter update
 
-  // Since the last filter update:
-  common::Pose2 matched_;   // motion as matched scan to scan
-  common::Pose2 odometry_;  // motion as the odometry tells, where it is believed
-  Travel matched_travel_;
-  Travel odometry_travel_;
-  Eigen::Matrix3d predicted_covariance_ = Eigen::Matrix3d::Zero();  // of what was predicted without odometry
+  std::vector<Keyframe> keyframes_;  // one each begin_segment
+  bool restored_map_ = false;        // the map began as one that was loaded
+  std::optional<Refined> refined_;   // of these keyframes
 
   double held_at_ = 0.0;                        // path length where the scan last held the whole position
   double degenerate_told_ = -kDegenerateEvery;  // path length at the last event
@@ -361,6 +369,7 @@ void LaserSlam::execute(const common::Command& command) {
   impl_->answer_relocalise();
 }
 
+void LaserSlam::refine() { impl_->refine(); }
 common::Trajectory2 LaserSlam::final_trajectory() const { return impl_->final_trajectory(); }
 common::OccupancyGrid LaserSlam::grid() const { return impl_->grid(); }
 common::Result<std::string> LaserSlam::serialize() const { return impl_->serialize(); }

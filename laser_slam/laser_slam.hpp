@@ -41,14 +41,18 @@ class LaserSlam : public common::SlamModule {
   /// the next estimate. Reset forgets all and starts a new map epoch. Relocalise cannot be done while mapping and is
   /// answered by an event on the next estimate.
   void execute(const common::Command& command) override;
-  /// The best particle's path; scans between two updates are placed between them by their matched increments. Poses
-  /// of earlier map epochs are left out.
+  /// Adjusts the path of all updates so far and the map to the loops among them, see refine_path(): final_trajectory(),
+  /// grid() and serialize() then tell the adjusted ones, until the next filter update. Takes about a tenth of the time
+  /// that the run took. Does nothing where the options say so and in a map that was restored.
+  void refine();
+  /// The refined path or the best particle's; scans between two updates are placed between them by their matched
+  /// increments. Poses of earlier map epochs are left out.
   common::Trajectory2 final_trajectory() const override;
 
-  /// The best particle's map. Empty (width 0) before the first scan.
+  /// The refined map or the best particle's. Empty (width 0) before the first scan.
   common::OccupancyGrid grid() const;
 
-  /// The best particle's map and pose, to continue from later: versioned, checksummed. Errors (kFailed): nothing mapped
+  /// That map and the pose in it, to continue from later: versioned, checksummed. Errors (kFailed): nothing mapped
   /// yet.
   common::Result<std::string> serialize() const;
   /// Continues in a map that serialize() gave: all particles start in it at its pose, in a new map epoch. Errors

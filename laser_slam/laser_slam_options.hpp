@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+
 #include "common/options.hpp"
+#include "laser_slam/evidence_gain.hpp"
 #include "laser_slam/localization_options.hpp"
 #include "laser_slam/loop_detector_options.hpp"
 #include "laser_slam/map_options.hpp"
 #include "laser_slam/motion_model_options.hpp"
+#include "laser_slam/refinement_options.hpp"
 #include "laser_slam/scan_matcher_options.hpp"
 
 namespace slamfuse::laser_slam {
@@ -18,6 +22,7 @@ struct LaserSlamOptions {
   double update_interval = 0.0;
   double resample_threshold = 0.5;
   double likelihood_gain = 0.05;
+  double least_evidence = 9.0;
   double proposal_spread = 1.0;
   double max_range = 80.0;
   double lost_agreement = 0.25;
@@ -29,7 +34,13 @@ struct LaserSlamOptions {
   MotionModelOptions motion;
   ScanMatcherOptions matcher;
   LoopDetectorOptions loops;
+  RefinementOptions refinement;
   LocalizationOptions localization;
+
+  /// What a beam of a sensor with so many beams (0: they vary) counts.
+  double evidence_gain(int beams) const {
+    return EvidenceGain{likelihood_gain, least_evidence}.of(std::min(beams, matcher.max_beams));
+  }
 
   void describe(common::OptionVisitor& visit) {
     visit.integer("particles", particles, {1, 1000}, "", "Hypotheses of the whole path, each with its own map.");
@@ -42,6 +53,8 @@ struct LaserSlamOptions {
                "Resample when the effective number of particles falls below this share of them.");
     visit.real("likelihood_gain", likelihood_gain, {1e-4, 1.0}, "",
                "Share of a beam that counts as independent evidence: tempers the weights.");
+    visit.real("least_evidence", least_evidence, {0.0, 1000.0}, "beams",
+               "A scan counts as at least so many independent beams, as far as the sensor has them.");
     visit.real("proposal_spread", proposal_spread, {0.0, 10.0}, "",
                "Standard deviations of the proposal are multiplied by this before a particle is drawn.");
     visit.real("max_range", max_range, {0.5, 1000.0}, "m", "Returns beyond are not used, whatever the sensor allows.");
@@ -57,6 +70,7 @@ struct LaserSlamOptions {
     visit.nested("motion", motion, "Uncertainty of the motion between two scans.");
     visit.nested("matcher", matcher, "Scan matching.");
     visit.nested("loops", loops, "Recognition of places seen long ago.");
+    visit.nested("refinement", refinement, "The path in hindsight.");
     visit.nested("localization", localization, "Localisation in a finished map.");
   }
 };

@@ -87,11 +87,12 @@ ParticleFilter::Proposal ParticleFilter::propose(const Particle& particle, const
     match.fit = matcher_.evaluate(particle.map, scan.match_points, prior.mean);
     match.fit.information.setZero();
   }
-  const Eigen::Matrix3d information = prior.information + settings_.gain * match.fit.information;
+  const double gain = matcher_.gain();
+  const Eigen::Matrix3d information = prior.information + gain * match.fit.information;
   const Eigen::Vector3d error(match.pose.x - prior.mean.x, match.pose.y - prior.mean.y,
                               common::angle_difference(match.pose.theta, prior.mean.theta));
   // eta = integral of p(z|x) p(x|u) = p(z|x*) p(x*|u) sqrt(det(2 pi Sigma)), with p(z|x) tempered by the gain.
-  const double log_normalizer = settings_.gain * match.fit.log_likelihood - 0.5 * error.dot(prior.information * error) +
+  const double log_normalizer = gain * match.fit.log_likelihood - 0.5 * error.dot(prior.information * error) +
                                 0.5 * std::log(prior.information.determinant() / information.determinant());
   const double spread = settings_.proposal_spread * settings_.proposal_spread;
   return {match.pose, spread * information.inverse(), log_normalizer};

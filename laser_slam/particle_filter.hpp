@@ -34,7 +34,6 @@ struct MotionSinceUpdate {
 struct FilterSettings {
   int particles = 30;
   double resample_threshold = 0.5;
-  double gain = 0.05;  ///< of the likelihood against the prior
   double proposal_spread = 1.0;
   double lost_agreement = 0.25;  ///< a match below is not trusted: the motion model proposes
 };

@@ -10,9 +10,8 @@
 #include "common/pose2.hpp"
 
 namespace slamfuse::laser_slam {
-namespace {
+namespace {}  // namespace
 
-/// Evenly chosen ends of the beams that hit, at most `most`.
 std::vector<Eigen::Vector2d> thin_hits(const std::vector<Beam>& beams, int most) {
   const auto hits = std::count_if(beams.begin(), beams.end(), [](const Beam& beam) { return beam.hit; });
   std::vector<Eigen::Vector2d> points;
@@ -25,8 +24,6 @@ std::vector<Eigen::Vector2d> thin_hits(const std::vector<Beam>& beams, int most)
   }
   return points;
 }
-
-}  // namespace
 
 common::Result<void> check_calibration(const std::string& sensor, const common::LaserCalibration& c) {
   const auto refuse = [&](const std::string& what) {

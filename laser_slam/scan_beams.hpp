@@ -25,6 +25,9 @@ struct ScanBeams {
   std::vector<Eigen::Vector2d> match_points;  ///< ends of evenly thinned hits [m]
 };
 
+/// Evenly chosen ends of the beams that hit, at most `most`.
+std::vector<Eigen::Vector2d> thin_hits(const std::vector<Beam>& beams, int most);
+
 /// Which beams are used.
 struct BeamLimits {
   double max_range = 80.0;         ///< farther returns are left out [m]

@@ -40,13 +40,16 @@ struct ScanMatch {
 /// Each endpoint p meets the local surface around it (GridMap::surface_at). Its distance is measured across the
 /// surface, and along it only as far as the surface is no line: d^2 = (n.(p - mean))^2 + rho (t.(p - mean))^2, rho from
 /// the ratio of the moments, so a bare corridor leaves its direction open. The beam's likelihood is that of GMapping
-/// with an outlier floor, (exp(-d^2 / 2 sigma^2) + e) / (1 + e); unknown space has a constant one. The maximum of gain
-/// * log-likelihood + prior is found by Gauss-Newton steps with the inlier probabilities as weights, starting with a
-/// wide sigma (graduated non-convexity).
+/// with an outlier floor, (exp(-d^2 / 2 sigma^2) + e) / (1 + e); unknown space has a constant one. The maximum of
+/// gain * log-likelihood + prior is found by Gauss-Newton steps with the inlier probabilities as weights, starting with
+/// a wide sigma (graduated non-convexity).
 class ScanMatcher {
  public:
-  /// `gain` tempers the likelihood against the prior: beams are not independent.
+  /// `gain` tempers the likelihood against the prior, see EvidenceGain.
   ScanMatcher(const ScanMatcherOptions& options, double gain) : options_(options), gain_(gain) {}
+
+  /// The factor that the likelihood and the information of a fit count with.
+  double gain() const { return gain_; }
 
   /// The fit at a pose. Surfaces last seen before `old_before` [m of path] count as old.
   ScanFit evaluate(const GridMap& map, const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose,

@@ -137,6 +137,7 @@ common::Result<Run> run(const Input& input, const laser_slam::LaserSlamOptions& 
     for (const common::Event& event : processed.estimate->events) result.events.push_back(event);
     result.estimates.push_back(*processed.estimate);
   }
+  (*slam)->refine();
   result.final_path = (*slam)->final_trajectory();
   result.cpu_seconds = cpu_seconds() - began;
   result.peak_mb = memory_mb("VmHWM:") - memory_before;

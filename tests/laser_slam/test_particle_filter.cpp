@@ -14,7 +14,7 @@ class ParticleFilterTest : public ::testing::Test {
     FilterSettings settings;
     settings.particles = 12;
     settings.resample_threshold = resample_threshold;
-    ParticleFilter made(settings, ScanMatcher(ScanMatcherOptions{}, settings.gain), 42, threads);
+    ParticleFilter made(settings, ScanMatcher(ScanMatcherOptions{}, 0.05), 42, threads);
     GridMap map{MapOptions{}};
     InsertionScratch scratch;
     map.insert(beams_at({}), {}, 0.0, scratch);
