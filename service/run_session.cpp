@@ -239,6 +239,7 @@ std::set<std::string> RunSession::free_scale() const {
 }
 
 void RunSession::gather(RunSummary& summary) const {
+  if (laser_) laser_->refine();
   const auto laser_final = laser() ? laser()->final_trajectory() : common::Trajectory2{};
   const auto visual_final = visual_ ? visual_->final_trajectory() : common::Trajectory2{};
   const auto fused = fusion_->finish(laser_final, visual_final);
