@@ -10,7 +10,7 @@
 
 namespace slamfuse::common {
 
-/// Whether the data begins as a binary PGM (P5) or PPM (P6).
+/// Whether the data begins as a PGM or PPM: binary (P5, P6) or plain, its samples decimal text (P2, P3).
 bool is_pnm(std::span<const std::uint8_t> bytes);
 
 /// The size that the head states. Error (kInvalidInput): cut or garbled.

@@ -40,6 +40,21 @@ TEST(ImageDecoder, TurnsColourIntoGray) {
   }
 }
 
+TEST(ImageDecoder, DecodesPlainPgmAndPpmWithCommentsAndAnyMaximum) {
+  const auto pixels = [](const std::string& text) {
+    const Result<GrayImage> image = decode(text, std::nullopt);
+    return image ? *image->pixels : std::vector<std::uint8_t>{};
+  };
+  EXPECT_EQ(pixels("P2\n# made by hand\n3 1\n100\n0 50\n# and more\n100\n"), (std::vector<std::uint8_t>{0, 127, 255}));
+  EXPECT_EQ(pixels("P2 2 1 255 7 999"), (std::vector<std::uint8_t>{7, 255}));
+  EXPECT_EQ(pixels("P3 2 1 255 9 9 9 0 0 255"), (std::vector<std::uint8_t>{9, 29}));
+  EXPECT_EQ(pixels("P5\n# binary\n2 1\n# white\n255\n\x07\xff"), (std::vector<std::uint8_t>{7, 255}));
+  for (const char* bad :
+       {"P2 3 1 255 1 2", "P2 3 1 255 1 2 x 4", "P2 3 1 255 1 -2 3", "P2 3 1 0 1 2 3", "P2 0 1 9 1"}) {
+    EXPECT_FALSE(decode(bad, std::nullopt)) << bad;
+  }
+}
+
 TEST(ImageDecoder, RefusesCutData) {
   for (const char* extension : {".jpg", ".png", ".pgm"}) {
     const std::string whole = encoded_image(extension, 1);
