@@ -33,7 +33,7 @@ std::int8_t integer_log_odds(double probability) {
 std::int8_t step_of(double probability) { return std::max<std::int8_t>(1, integer_log_odds(probability)); }
 
 std::size_t cell_index(int cell_x, int cell_y) {
-  return static_cast<std::size_t>((cell_y & kMask) * Tile::kSide + (cell_x & kMask));
+  return static_cast<std::size_t>(cell_y & kMask) * Tile::kSide + static_cast<std::size_t>(cell_x & kMask);
 }
 
 void set_occupied(Tile& tile, int cell_x, int cell_y, bool occupied) {

@@ -52,8 +52,8 @@ class LaserSlam : public common::SlamModule {
   /// The refined map or the best particle's. Empty (width 0) before the first scan.
   common::OccupancyGrid grid() const;
 
-  /// That map and the pose in it, to continue from later: versioned, checksummed. Errors (kFailed): nothing mapped
-  /// yet.
+  /// That map and the pose in it, to continue from later: versioned, compressed, checksummed (see map_state.hpp).
+  /// Errors (kFailed): nothing mapped yet, a map too large to save.
   common::Result<std::string> serialize() const;
   /// Continues in a map that serialize() gave: all particles start in it at its pose, in a new map epoch. Errors
   /// (kInvalidInput): not such a state, cut, altered, of a newer version or another cell size; nothing changed then.

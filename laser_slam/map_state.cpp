@@ -2,12 +2,14 @@
 #include "laser_slam/map_state.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <exception>
 #include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <mrpt/io/CMemoryStream.h>
@@ -15,37 +17,47 @@
 #include <mrpt/serialization/CArchive.h>
 #include <zlib.h>
 
+#include "laser_slam/zlib_stream.hpp"
+
 namespace slamfuse::laser_slam {
 namespace {
 
-constexpr char kMagic[] = "SFLASER1";
-constexpr std::size_t kMagicSize = sizeof(kMagic) - 1;
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kHeaderSize = kMagicSize + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
+static_assert(std::endian::native == std::endian::little, "the bytes are written as they lie in memory");
+
+constexpr std::string_view kMagic = "SFLASER1";
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kUncompressedVersion = 1;
+constexpr std::size_t kHeaderSize = kMagic.size() + 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
 constexpr std::int32_t kMaxTileCoordinate = 1 << 15;  // 50 km at 5 cm
-constexpr std::size_t kTileBytes = 2 * sizeof(std::int32_t) + Tile::kCells * (sizeof(std::int8_t) + 8);
+constexpr std::size_t kPlaceBytes = 2 * sizeof(std::int32_t);
+constexpr std::size_t kTileBytes = sizeof(Tile::log_odds) + sizeof(Tile::endpoints);
+static_assert(sizeof(Endpoints) == 4 * sizeof(std::int16_t));
+constexpr std::size_t kFixedBytes = 5 * sizeof(double) + sizeof(std::uint32_t);  // of the payload, before the tiles
+constexpr std::size_t kCompressionAtMost = 1032;                                 // deflate's largest possible ratio
 
-std::uint32_t checksum(const std::string& bytes, std::size_t from) {
-  uLong crc = crc32(0, nullptr, 0);
-  constexpr std::size_t kChunk = 1u << 30;  // zlib counts in 32 bits
-  for (std::size_t at = from; at < bytes.size(); at += kChunk) {
-    crc = crc32(crc, reinterpret_cast<const Bytef*>(bytes.data() + at),
-                static_cast<uInt>(std::min(kChunk, bytes.size() - at)));
-  }
-  return static_cast<std::uint32_t>(crc);
+tl::unexpected<common::Error> refused(const std::string& reason) {
+  return common::invalid_input("laser state: " + reason);
+}
+
+std::uint32_t checksum(std::string_view bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 template <class T>
-void append(std::string& bytes, T value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+void put(std::string& bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
 template <class T>
-T read_at(const std::string& bytes, std::size_t at) {
+T get(std::string_view bytes, std::size_t at) {
   T value;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
 }
+
+constexpr std::size_t kVersionAt = kMagic.size();
+constexpr std::size_t kLengthAt = kVersionAt + sizeof(std::uint32_t);
+constexpr std::size_t kChecksumAt = kLengthAt + sizeof(std::uint64_t);
 
 /// Calls visit(tile x, tile y, tile) for every tile that exists, row by row.
 template <class Visit>
@@ -58,70 +70,114 @@ void for_each_tile(const TileGrid& tiles, const Visit& visit) {
 }
 
 void write_tile(mrpt::serialization::CArchive& archive, const Tile& tile) {
-  archive.WriteBuffer(tile.log_odds.data(), tile.log_odds.size());
-  for (const Endpoints& ends : tile.endpoints) archive << ends.offset_x << ends.offset_y << ends.hits << ends.last_path;
+  archive.WriteBuffer(tile.log_odds.data(), sizeof tile.log_odds);
+  archive.WriteBuffer(tile.endpoints.data(), sizeof tile.endpoints);
 }
 
 void read_tile(mrpt::serialization::CArchive& archive, Tile& tile, std::int8_t occupied_below) {
-  archive.ReadBuffer(tile.log_odds.data(), tile.log_odds.size());
+  archive.ReadBuffer(tile.log_odds.data(), sizeof tile.log_odds);
+  archive.ReadBuffer(tile.endpoints.data(), sizeof tile.endpoints);
   for (std::size_t i = 0; i < tile.endpoints.size(); ++i) {
-    Endpoints& ends = tile.endpoints[i];
-    archive >> ends.offset_x >> ends.offset_y >> ends.hits >> ends.last_path;
-    if (ends.hits > 0 && tile.log_odds[i] < occupied_below) {
+    if (tile.endpoints[i].hits > 0 && tile.log_odds[i] < occupied_below) {
       tile.occupied[i / Tile::kSide] |= 1u << (i % Tile::kSide);
     }
   }
 }
 
-common::Result<MapState> parse_payload(const std::string& bytes, const MapOptions& options) {
-  mrpt::io::CMemoryStream stream;
-  stream.assignMemoryNotOwn(bytes.data() + kHeaderSize, bytes.size() - kHeaderSize);
+void write_payload(mrpt::serialization::CArchive& archive, const MapState& state, std::uint32_t count) {
+  archive << state.pose.x << state.pose.y << state.pose.theta << state.path_length << state.map.resolution() << count;
+  for_each_tile(state.map.tiles(), [&](int x, int y, const Tile&) {
+    archive << static_cast<std::int32_t>(x) << static_cast<std::int32_t>(y);
+  });
+  for_each_tile(state.map.tiles(), [&](int, int, const Tile& tile) { write_tile(archive, tile); });
+}
+
+common::Result<void> check_numbers(const MapState& state, double resolution, const MapOptions& options) {
+  if (!state.pose.is_finite() || !std::isfinite(state.path_length)) {
+    return refused("the pose or path length is not finite");
+  }
+  if (state.path_length < 0.0) {
+    return refused(fmt::format("its path length is {} m, allowed is 0 or more", state.path_length));
+  }
+  if (std::hypot(state.pose.x, state.pose.y) > GridMap::kFarthest) {
+    return refused(fmt::format("its pose is at ({}, {}), allowed is up to {} m from the origin", state.pose.x,
+                               state.pose.y, GridMap::kFarthest));
+  }
+  if (std::abs(state.pose.theta) > std::numbers::pi) {
+    return refused(fmt::format("its heading is {} rad, allowed is -pi to pi", state.pose.theta));
+  }
+  if (resolution != options.resolution) {
+    return refused(fmt::format("its cells are {} m, laser.map.resolution is {} m; allowed is the same", resolution,
+                               options.resolution));
+  }
+  return {};
+}
+
+/// Where a tile is, in the order of for_each_tile().
+struct Place {
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+  bool is_before(const Place& other) const { return std::pair(y, x) < std::pair(other.y, other.x); }
+};
+
+/// Reads the places of the tiles and makes room for them in the map.
+common::Result<std::vector<Place>> read_places(mrpt::serialization::CArchive& archive, std::uint32_t count,
+                                               TileGrid& tiles) {
+  std::vector<Place> places(count);
+  Place low{kMaxTileCoordinate, kMaxTileCoordinate};
+  Place high{-kMaxTileCoordinate, -kMaxTileCoordinate};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    Place& place = places[i];
+    archive >> place.x >> place.y;
+    if (std::abs(std::int64_t{place.x}) > kMaxTileCoordinate || std::abs(std::int64_t{place.y}) > kMaxTileCoordinate) {
+      return refused(
+          fmt::format("a tile at ({}, {}), allowed is up to {} from the origin", place.x, place.y, kMaxTileCoordinate));
+    }
+    if (i > 0 && !places[i - 1].is_before(place)) {
+      return refused(fmt::format("the tile at ({}, {}) comes twice or out of order", place.x, place.y));
+    }
+    low = {std::min(low.x, place.x), std::min(low.y, place.y)};
+    high = {std::max(high.x, place.x), std::max(high.y, place.y)};
+  }
+  if (count > 0 && !tiles.include(low.x, low.y, high.x, high.y)) {
+    return refused(fmt::format("its map is {} x {} tiles, allowed are {} in all", high.x - low.x + 1,
+                               high.y - low.y + 1, TileGrid::kMaxTiles));
+  }
+  return places;
+}
+
+/// `most_bytes`: the payload cannot be longer.
+common::Result<MapState> read_payload(mrpt::io::CStream& stream, std::size_t most_bytes, const MapOptions& options) {
   auto archive = mrpt::serialization::archiveFrom(stream);
   MapState state{{}, 0.0, GridMap(options)};
   double resolution = 0.0;
   std::uint32_t count = 0;
   archive >> state.pose.x >> state.pose.y >> state.pose.theta >> state.path_length >> resolution >> count;
-  if (!state.pose.is_finite() || !std::isfinite(state.path_length)) {
-    return common::invalid_input("laser state: the pose or path length is not finite");
+  if (auto checked = check_numbers(state, resolution, options); !checked) return tl::unexpected(checked.error());
+  if (count > kMaxSavedTiles) return refused(fmt::format("{} tiles, allowed are {}", count, kMaxSavedTiles));
+  if (kFixedBytes + count * (kPlaceBytes + kTileBytes) > most_bytes) {
+    return refused(fmt::format("{} tiles do not fit its bytes", count));
   }
-  if (std::hypot(state.pose.x, state.pose.y) > GridMap::kFarthest) {
-    return common::invalid_input(
-        fmt::format("laser state: its pose is at ({}, {}), allowed is up to {} m from the origin", state.pose.x,
-                    state.pose.y, GridMap::kFarthest));
+  const auto places = read_places(archive, count, state.map.tiles());
+  if (!places) return tl::unexpected(places.error());
+  for (const Place& place : *places) {
+    read_tile(archive, state.map.tiles().write(place.x, place.y), state.map.occupied_below());
   }
-  if (std::abs(state.pose.theta) > std::numbers::pi) {
-    return common::invalid_input(
-        fmt::format("laser state: its heading is {} rad, allowed is -pi to pi", state.pose.theta));
-  }
-  if (resolution != options.resolution) {
-    return common::invalid_input(
-        fmt::format("laser state: its cells are {} m, laser.map.resolution is {} m; allowed is the same", resolution,
-                    options.resolution));
-  }
-  if (count > (bytes.size() - kHeaderSize) / kTileBytes) {
-    return common::invalid_input(fmt::format("laser state: {} tiles do not fit its {} bytes", count, bytes.size()));
-  }
-  std::vector<std::pair<std::int32_t, std::int32_t>> places(count);
-  std::int32_t low_x = kMaxTileCoordinate, low_y = kMaxTileCoordinate;
-  std::int32_t high_x = -kMaxTileCoordinate, high_y = -kMaxTileCoordinate;
-  for (auto& [x, y] : places) {
-    archive >> x >> y;
-    if (std::abs(std::int64_t{x}) > kMaxTileCoordinate || std::abs(std::int64_t{y}) > kMaxTileCoordinate) {
-      return common::invalid_input(fmt::format("laser state: a tile at ({}, {}), allowed is up to {} from the origin",
-                                               x, y, kMaxTileCoordinate));
-    }
-    low_x = std::min(low_x, x);
-    low_y = std::min(low_y, y);
-    high_x = std::max(high_x, x);
-    high_y = std::max(high_y, y);
-  }
-  if (count > 0) {
-    if (!state.map.tiles().include(low_x, low_y, high_x, high_y)) {
-      return common::invalid_input(fmt::format("laser state: its map is {} x {} tiles, allowed are {} in all",
-                                               high_x - low_x + 1, high_y - low_y + 1, TileGrid::kMaxTiles));
-    }
-  }
-  for (const auto& [x, y] : places) read_tile(archive, state.map.tiles().write(x, y), state.map.occupied_below());
+  return state;
+}
+
+common::Result<MapState> read_compressed(std::string_view bytes, const MapOptions& options) {
+  InflateStream stream(bytes);
+  auto state = read_payload(stream, bytes.size() * kCompressionAtMost, options);
+  if (state && !stream.at_end()) return refused("there are bytes left over");
+  return state;
+}
+
+common::Result<MapState> read_uncompressed(std::string_view bytes, const MapOptions& options) {
+  mrpt::io::CMemoryStream stream;
+  stream.assignMemoryNotOwn(bytes.data(), bytes.size());
+  auto state = read_payload(stream, bytes.size(), options);
+  if (state && stream.getPosition() != bytes.size()) return refused("there are bytes left over");
   return state;
 }
 
@@ -161,46 +217,46 @@ common::OccupancyGrid to_occupancy_grid(const GridMap& map) {
   return grid;
 }
 
-std::string serialize_state(const MapState& state) {
-  mrpt::io::CMemoryStream stream;
+common::Result<std::string> serialize_state(const MapState& state) {
+  const std::size_t count = state.map.tiles().count();
+  if (count > kMaxSavedTiles) {
+    return common::failed(
+        fmt::format("laser state: the map has {} tiles, up to {} can be saved", count, kMaxSavedTiles));
+  }
+  std::string bytes(kMagic);
+  bytes.resize(kHeaderSize);
+  DeflateStream stream(bytes);
   auto archive = mrpt::serialization::archiveFrom(stream);
-  archive << state.pose.x << state.pose.y << state.pose.theta << state.path_length << state.map.resolution();
-  archive << static_cast<std::uint32_t>(state.map.tiles().count());
-  for_each_tile(state.map.tiles(), [&](int x, int y, const Tile&) {
-    archive << static_cast<std::int32_t>(x) << static_cast<std::int32_t>(y);
-  });
-  for_each_tile(state.map.tiles(), [&](int, int, const Tile& tile) { write_tile(archive, tile); });
-
-  const auto payload_size = static_cast<std::size_t>(stream.getTotalBytesCount());
-  std::string payload(static_cast<const char*>(stream.getRawBufferData()), payload_size);
-  std::string bytes(kMagic, kMagicSize);
-  append(bytes, kVersion);
-  append(bytes, static_cast<std::uint64_t>(payload_size));
-  append(bytes, checksum(payload, 0));
-  return bytes + payload;
+  write_payload(archive, state, static_cast<std::uint32_t>(count));
+  stream.finish();
+  const std::string_view payload = std::string_view(bytes).substr(kHeaderSize);
+  put(bytes, kVersionAt, kVersion);
+  put(bytes, kLengthAt, static_cast<std::uint64_t>(payload.size()));
+  put(bytes, kChecksumAt, checksum(payload));
+  return bytes;
 }
 
-common::Result<MapState> parse_state(const std::string& bytes, const MapOptions& options) {
-  if (bytes.size() < kHeaderSize || bytes.compare(0, kMagicSize, kMagic) != 0) {
-    return common::invalid_input("laser state: it does not begin with " + std::string(kMagic));
+common::Result<MapState> parse_state(std::string_view bytes, const MapOptions& options) {
+  if (bytes.size() < kHeaderSize || !bytes.starts_with(kMagic)) {
+    return refused(fmt::format("it does not begin with {}", kMagic));
   }
-  const auto version = read_at<std::uint32_t>(bytes, kMagicSize);
-  if (version != kVersion) {
-    return common::invalid_input(
-        fmt::format("laser state: format version {}, this program reads {}", version, kVersion));
+  const auto version = get<std::uint32_t>(bytes, kVersionAt);
+  if (version != kVersion && version != kUncompressedVersion) {
+    return refused(
+        fmt::format("format version {}, this program reads {} and {}", version, kUncompressedVersion, kVersion));
   }
-  const auto size = read_at<std::uint64_t>(bytes, kMagicSize + sizeof version);
-  if (size != bytes.size() - kHeaderSize) {
-    return common::invalid_input(
-        fmt::format("laser state: {} bytes announced, {} there", size, bytes.size() - kHeaderSize));
+  const std::string_view payload = bytes.substr(kHeaderSize);
+  const auto length = get<std::uint64_t>(bytes, kLengthAt);
+  if (length != payload.size()) {
+    return refused(fmt::format("{} bytes announced, {} there", length, payload.size()));
   }
-  if (read_at<std::uint32_t>(bytes, kMagicSize + sizeof version + sizeof size) != checksum(bytes, kHeaderSize)) {
-    return common::invalid_input("laser state: the checksum does not match, it was altered");
+  if (get<std::uint32_t>(bytes, kChecksumAt) != checksum(payload)) {
+    return refused("the checksum does not match, it was altered");
   }
   try {
-    return parse_payload(bytes, options);
+    return version == kVersion ? read_compressed(payload, options) : read_uncompressed(payload, options);
   } catch (const std::exception& error) {
-    return common::invalid_input(std::string("laser state: cannot be read: ") + error.what());
+    return refused(std::string("cannot be read: ") + error.what());
   }
 }
 

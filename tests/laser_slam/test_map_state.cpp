@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "laser_slam/map_state.hpp"
 
+#include <cstring>
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "synthetic_room.hpp"
 
@@ -23,6 +25,42 @@ MapState room_state() {
   return state;
 }
 
+constexpr std::size_t kHeader = 24;
+constexpr std::size_t kFirstPlaceAt = 5 * 8 + 4;
+
+/// The payload of a state, uncompressed.
+std::string payload_of(const std::string& bytes) {
+  std::string payload(std::size_t{10} << 20, '\0');
+  uLongf size = payload.size();
+  EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(payload.data()), &size,
+                       reinterpret_cast<const Bytef*>(bytes.data()) + kHeader, bytes.size() - kHeader),
+            Z_OK);
+  payload.resize(size);
+  return payload;
+}
+
+/// A state of a format version with this behind the header.
+std::string state_of(std::uint32_t version, const std::string& body) {
+  const auto text = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), sizeof value); };
+  const auto crc = static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(body.data()), body.size()));
+  return "SFLASER1" + text(version) + text(static_cast<std::uint64_t>(body.size())) + text(crc) + body;
+}
+
+std::string compressed(const std::string& payload) {
+  std::string bytes(compressBound(payload.size()), '\0');
+  uLongf size = bytes.size();
+  compress(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(payload.data()),
+           payload.size());
+  bytes.resize(size);
+  return bytes;
+}
+
+template <class T>
+std::string with(std::string payload, std::size_t at, T value) {
+  std::memcpy(payload.data() + at, &value, sizeof value);
+  return payload;
+}
+
 std::string refusal(const std::string& bytes, const MapOptions& options = {}) {
   const auto state = parse_state(bytes, options);
   return state ? std::string() : state.error().message;
@@ -30,19 +68,19 @@ std::string refusal(const std::string& bytes, const MapOptions& options = {}) {
 
 TEST(MapState, ComesBackAsItWas) {
   const MapState before = room_state();
-  const std::string bytes = serialize_state(before);
+  const std::string bytes = *serialize_state(before);
   const auto after = parse_state(bytes, MapOptions{});
   ASSERT_TRUE(after) << after.error().message;
   EXPECT_EQ(after->pose.vector(), before.pose.vector());
   EXPECT_EQ(after->path_length, 12.5);
-  EXPECT_EQ(serialize_state(*after), bytes);
+  EXPECT_EQ(*serialize_state(*after), bytes);
   const Surface wall = before.map.surface_at({-3.03, 0.0}, 2);
   ASSERT_GT(wall.weight, 0.0);
   EXPECT_EQ(after->map.surface_at({-3.03, 0.0}, 2).mean, wall.mean);
 }
 
 TEST(MapState, RefusesWhatIsCutAlteredNewerOrForeign) {
-  const std::string bytes = serialize_state(room_state());
+  const std::string bytes = *serialize_state(room_state());
   EXPECT_EQ(refusal(bytes), "");
   EXPECT_THAT(refusal(""), HasSubstr("SFLASER1"));
   EXPECT_THAT(refusal("P5 100 100 255 and so on and so on"), HasSubstr("SFLASER1"));
@@ -55,28 +93,74 @@ TEST(MapState, RefusesWhatIsCutAlteredNewerOrForeign) {
   EXPECT_THAT(refusal(newer), HasSubstr("version 9"));
 }
 
+TEST(MapState, ReadsTheUncompressedFirstVersion) {
+  const std::string bytes = *serialize_state(room_state());
+  const auto state = parse_state(state_of(1, payload_of(bytes)), MapOptions{});
+  ASSERT_TRUE(state) << state.error().message;
+  EXPECT_EQ(*serialize_state(*state), bytes);
+}
+
+TEST(MapState, IsSmallerThanItsTiles) {
+  const std::string bytes = *serialize_state(room_state());
+  EXPECT_LT(bytes.size(), payload_of(bytes).size() / 10);
+}
+
+TEST(MapState, RefusesAPayloadThatIsCutAnywhereOrTooLong) {
+  const std::string payload = payload_of(*serialize_state(room_state()));
+  for (std::size_t size = 0; size < payload.size(); size += size < 200 ? 1 : 997) {
+    EXPECT_NE(refusal(state_of(1, payload.substr(0, size))), "") << size;
+    EXPECT_NE(refusal(state_of(2, compressed(payload.substr(0, size)))), "") << size;
+  }
+  EXPECT_THAT(refusal(state_of(1, payload + "x")), HasSubstr("left over"));
+  EXPECT_THAT(refusal(state_of(2, compressed(payload + "x"))), HasSubstr("left over"));
+  EXPECT_THAT(refusal(state_of(2, compressed(payload) + "x")), HasSubstr("left over"));
+  EXPECT_THAT(refusal(state_of(2, payload)), HasSubstr("cannot be read"));
+}
+
+TEST(MapState, RefusesTilesThatAreTooManyTooFarOrTwiceThere) {
+  const std::string payload = payload_of(*serialize_state(room_state()));
+  const auto reason = [&](std::size_t at, auto value) { return refusal(state_of(1, with(payload, at, value))); };
+  EXPECT_THAT(reason(kFirstPlaceAt - 4, std::uint32_t{0xffffffff}), HasSubstr("allowed are 262144"));
+  EXPECT_THAT(reason(kFirstPlaceAt - 4, std::uint32_t{1000}), HasSubstr("do not fit"));
+  EXPECT_THAT(reason(kFirstPlaceAt, std::int32_t{1 << 20}), HasSubstr("a tile at (1048576"));
+  std::string twice = payload;
+  twice.replace(kFirstPlaceAt + 8, 8, payload.substr(kFirstPlaceAt, 8));
+  EXPECT_THAT(refusal(state_of(1, twice)), HasSubstr("twice"));
+  const std::string apart = with(payload, kFirstPlaceAt, std::int32_t{-32000});
+  EXPECT_THAT(refusal(state_of(1, with(apart, kFirstPlaceAt + 4, std::int32_t{-32000}))), HasSubstr("tiles, allowed"));
+}
+
+TEST(MapState, RefusesMillionsOfTilesInAFewCompressedBytes) {
+  const std::string payload = payload_of(*serialize_state(room_state()));
+  std::string bomb = with(payload.substr(0, kFirstPlaceAt), kFirstPlaceAt - 4, std::uint32_t{200'000});
+  EXPECT_THAT(refusal(state_of(2, compressed(bomb))), HasSubstr("do not fit"));
+}
+
 TEST(MapState, RefusesAnotherCellSize) {
   MapOptions options;
   options.resolution = 0.1;
-  EXPECT_THAT(refusal(serialize_state(room_state()), options), HasSubstr("laser.map.resolution is 0.1"));
+  EXPECT_THAT(refusal(*serialize_state(room_state()), options), HasSubstr("laser.map.resolution is 0.1"));
 }
 
 TEST(MapState, RefusesAPoseThatIsNotFinite) {
   MapState state = room_state();
   state.pose.x = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal(serialize_state(state)), HasSubstr("not finite"));
+  EXPECT_THAT(refusal(*serialize_state(state)), HasSubstr("not finite"));
 }
 
 TEST(MapState, RefusesAPoseOutsideAnyMap) {
   MapState state = room_state();
   state.pose.x = 1e300;
-  EXPECT_THAT(refusal(serialize_state(state)), HasSubstr("m from the origin"));
+  EXPECT_THAT(refusal(*serialize_state(state)), HasSubstr("m from the origin"));
+  state = room_state();
+  state.path_length = -1.0;
+  EXPECT_THAT(refusal(*serialize_state(state)), HasSubstr("path length is -1"));
   state = room_state();
   state.pose.theta = 100.0;
-  EXPECT_THAT(refusal(serialize_state(state)), HasSubstr("heading"));
+  EXPECT_THAT(refusal(*serialize_state(state)), HasSubstr("heading"));
 }
 
-TEST(MapState, TakesAnEmptyMap) { EXPECT_EQ(refusal(serialize_state({{}, 0.0, GridMap{MapOptions{}}})), ""); }
+TEST(MapState, TakesAnEmptyMap) { EXPECT_EQ(refusal(*serialize_state({{}, 0.0, GridMap{MapOptions{}}})), ""); }
 
 TEST(ToOccupancyGrid, ShowsWallsFreeSpaceAndTheUnknownWhereTheyAre) {
   const MapState state = room_state();
