@@ -6,7 +6,7 @@
 
 namespace slamfuse::service {
 
-/// CRC-32 as in zip and PNG: finds accidents, not forgeries.
-std::uint32_t crc32_of(std::string_view bytes);
+/// CRC-32 as in zip and PNG: finds accidents, not forgeries. `before` is that of the bytes in front of these.
+std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace slamfuse::service

@@ -18,27 +18,6 @@ tl::unexpected<common::Error> cannot(const char* action, const fs::path& path, i
   return common::failed(fmt::format("cannot {} {}: {}", action, path.string(), std::generic_category().message(error)));
 }
 
-/// Closes on every way out.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int value) : value_(value) {}
-  ~FileDescriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  int get() const { return value_; }
-  /// Some file systems tell of a full disk only now.
-  bool close() {
-    const int closing = value_;
-    value_ = -1;
-    return ::close(closing) == 0;
-  }
-
- private:
-  int value_;
-};
-
 bool write_all(int file, std::string_view content) {
   while (!content.empty()) {
     const ssize_t written = ::write(file, content.data(), content.size());
@@ -55,17 +34,42 @@ fs::path old_name(const fs::path& path) { return path.string() + fmt::format(".s
 
 }  // namespace
 
-common::Result<void> write_durably(const fs::path& path, std::string_view content) {
-  const fs::path temporary = temporary_name(path);
-  FileDescriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (file.get() < 0) return cannot("write", path, errno);
-  if (!write_all(file.get(), content) || ::fsync(file.get()) != 0 || !file.close() ||
-      ::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    ::unlink(temporary.c_str());
-    return cannot("write", path, error);
-  }
+common::Result<DurableFile> DurableFile::create(const fs::path& path) {
+  const int file = ::open(temporary_name(path).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (file < 0) return cannot("write", path, errno);
+  return DurableFile(path, file);
+}
+
+DurableFile::DurableFile(DurableFile&& other) noexcept
+    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+
+DurableFile::~DurableFile() {
+  if (file_ < 0) return;
+  close();
+  ::unlink(temporary_name(path_).c_str());
+}
+
+bool DurableFile::close() { return ::close(std::exchange(file_, -1)) == 0; }
+
+common::Result<void> DurableFile::append(std::string_view content) {
+  if (!write_all(file_, content)) return cannot("write", path_, errno);
   return {};
+}
+
+common::Result<void> DurableFile::publish() {
+  const std::string temporary = temporary_name(path_);
+  // Some file systems tell of a full disk only when the file is closed.
+  if (::fsync(file_) == 0 && close() && ::rename(temporary.c_str(), path_.c_str()) == 0) return {};
+  const int error = errno;
+  if (file_ < 0) ::unlink(temporary.c_str());
+  return cannot("write", path_, error);
+}
+
+common::Result<void> write_durably(const fs::path& path, std::string_view content) {
+  auto file = DurableFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = file->append(content); !written) return written;
+  return file->publish();
 }
 
 common::Result<void> replace_path(const fs::path& from, const fs::path& to) {
@@ -85,8 +89,12 @@ common::Result<void> replace_path(const fs::path& from, const fs::path& to) {
 }
 
 common::Result<void> sync_folder(const fs::path& folder) {
-  const FileDescriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (file.get() < 0 || ::fsync(file.get()) != 0) return cannot("sync", folder, errno);
+  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return cannot("sync", folder, errno);
+  const bool synced = ::fsync(file) == 0;
+  const int error = errno;
+  ::close(file);
+  if (!synced) return cannot("sync", folder, error);
   return {};
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/map_bundle.hpp"
 
+#include <array>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/tum.hpp"
+#include "service/bounded_file.hpp"
 #include "service/checksum.hpp"
 #include "service/durable_file.hpp"
 #include "service/grid_file.hpp"
@@ -25,78 +26,104 @@ namespace fs = std::filesystem;
 /// map.yaml holds a few kilobytes; more is not ours.
 constexpr std::uintmax_t kMaxMapYamlBytes = std::uintmax_t{1} << 20;
 
-using Contents = std::vector<std::pair<std::string, std::string>>;  // name and bytes
+/// Writes the files of a bundle one after the other and keeps the list of them.
+class BundleWriter {
+ public:
+  explicit BundleWriter(fs::path folder) : folder_(std::move(folder)) {}
 
-Contents contents_of(const MapBundle& bundle) {
-  Contents contents;
-  if (bundle.grid && bundle.grid->width > 0) {
-    contents.emplace_back(kGridImage, grid_to_pgm(*bundle.grid));
-    contents.emplace_back(kGridYaml, grid_to_yaml(*bundle.grid, kGridImage));
+  /// Writes what `produce(take)` hands to `take`, piece by piece. After an error nothing more is written.
+  template <class Produce>
+  void write_pieces(const std::string& name, const Produce& produce) {
+    if (!done_) return;
+    auto file = DurableFile::create(folder_ / name);
+    if (!file) {
+      done_ = tl::unexpected(file.error());
+      return;
+    }
+    MapBundleFile entry{name, 0, 0};
+    produce([&](std::string_view piece) {
+      entry.bytes += piece.size();
+      entry.crc32 = crc32_of(piece, entry.crc32);
+      if (done_) done_ = file->append(piece);
+    });
+    if (done_) done_ = file->publish();
+    files_.push_back(std::move(entry));
   }
-  if (!bundle.laser_state.empty()) contents.emplace_back(kLaserState, bundle.laser_state);
-  if (!bundle.landmarks.empty()) {
-    contents.emplace_back(kLandmarks, landmarks_to_bytes(bundle.landmarks));
-    contents.emplace_back(kLandmarksPly,
-                          landmarks_to_ply(bundle.landmarks, bundle.alignment.value_or(fusion::Alignment{})));
+  void write(const std::string& name, std::string_view content) {
+    write_pieces(name, [&](const auto& take) { take(content); });
   }
-  for (const auto& [name, trajectory] : bundle.trajectories) {
-    contents.emplace_back(name + ".tum", common::to_tum(trajectory));
-  }
-  return contents;
-}
+
+  const std::vector<MapBundleFile>& files() const { return files_; }
+  const common::Result<void>& done() const { return done_; }
+
+ private:
+  fs::path folder_;
+  std::vector<MapBundleFile> files_;
+  common::Result<void> done_;
+};
 
 common::Result<void> write_contents(const MapBundle& bundle, const fs::path& folder) {
-  std::vector<MapBundleFile> files;
-  for (const auto& [name, bytes] : contents_of(bundle)) {
-    files.push_back({name, bytes.size(), crc32_of(bytes)});
-    if (auto written = write_durably(folder / name, bytes); !written) return written;
+  BundleWriter writer(folder);
+  if (bundle.grid && bundle.grid->width > 0) {
+    writer.write_pieces(kGridImage, [&](const auto& take) { grid_to_pgm(*bundle.grid, take); });
+    writer.write(kGridYaml, grid_to_yaml(*bundle.grid, kGridImage));
   }
-  if (auto written = write_durably(folder / kMapYaml, map_yaml_of(bundle, files)); !written) return written;
-  return sync_folder(folder);
+  if (!bundle.laser_state.empty()) writer.write(kLaserState, bundle.laser_state);
+  if (!bundle.landmarks.empty()) {
+    writer.write(kLandmarks, landmarks_to_bytes(bundle.landmarks));
+    writer.write(kLandmarksPly, landmarks_to_ply(bundle.landmarks, bundle.alignment.value_or(fusion::Alignment{})));
+  }
+  for (const auto& [name, trajectory] : bundle.trajectories) writer.write(name + ".tum", common::to_tum(trajectory));
+  writer.write(kMapYaml, map_yaml_of(bundle, writer.files()));
+  return writer.done() ? sync_folder(folder) : writer.done();
 }
 
-/// The content of a file of at most `limit` bytes.
-common::Result<std::string> read_bounded(const fs::path& path, std::uintmax_t limit) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return common::invalid_input(path.string() + ": missing or not a file");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > limit) {
-    return common::invalid_input(fmt::format("{}: {} bytes, at most {} are allowed", path.string(), size, limit));
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(std::istreambuf_iterator<char>(file), {});
-  if (!file) return common::invalid_input(path.string() + ": cannot be read");
-  return bytes;
-}
-
-common::Result<std::string> read_checked(const fs::path& folder, const MapBundleFile& file) {
-  const fs::path path = folder / file.name;
-  auto bytes = read_bounded(path, kMaxMapFileBytes);
-  if (!bytes) return bytes;
-  if (bytes->size() != file.bytes) {
+/// Compares a file with what map.yaml says of it, without holding it.
+common::Result<void> check(const fs::path& folder, const MapBundleFile& entry) {
+  const fs::path path = folder / entry.name;
+  std::ifstream file;
+  const auto size = open_bounded(path, kMaxMapFileBytes, file);
+  if (!size) return tl::unexpected(size.error());
+  if (*size != entry.bytes) {
     return common::invalid_input(
-        fmt::format("{}: {} bytes, map.yaml says {}: cut or replaced", path.string(), bytes->size(), file.bytes));
+        fmt::format("{}: {} bytes, map.yaml says {}: cut or replaced", path.string(), *size, entry.bytes));
   }
-  const std::uint32_t crc32 = crc32_of(*bytes);
-  if (crc32 != file.crc32) {
+  std::vector<char> piece(std::size_t{1} << 16);
+  std::uint32_t crc32 = 0;
+  while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())) || file.gcount() > 0) {
+    crc32 = crc32_of({piece.data(), static_cast<std::size_t>(file.gcount())}, crc32);
+  }
+  if (crc32 != entry.crc32) {
     return common::invalid_input(fmt::format("{}: checksum {:08x}, map.yaml says {:08x}: the file was altered",
-                                             path.string(), crc32, file.crc32));
+                                             path.string(), crc32, entry.crc32));
   }
-  return bytes;
+  return {};
 }
 
-common::Result<void> interpret(const std::map<std::string, std::string>& contents, LoadedMapBundle& bundle) {
-  if (contents.contains(kGridImage) && contents.contains(kGridYaml)) {
-    auto grid = grid_from_files(contents.at(kGridImage), contents.at(kGridYaml));
-    if (!grid) return tl::unexpected(grid.error());
-    bundle.grid = std::move(*grid);
-  }
-  if (contents.contains(kLandmarks)) {
-    auto landmarks = landmarks_from_bytes(contents.at(kLandmarks));
-    if (!landmarks) return tl::unexpected(landmarks.error());
-    bundle.landmarks = std::move(*landmarks);
-  }
-  if (contents.contains(kLaserState)) bundle.laser_state = contents.at(kLaserState);
+common::Result<void> read_grid(const fs::path& folder, LoadedMapBundle& bundle) {
+  if (!has_file(bundle.summary.files, kGridYaml)) return {};
+  const auto yaml = read_bounded(folder / kGridYaml, kMaxMapYamlBytes);
+  if (!yaml) return tl::unexpected(yaml.error());
+  std::ifstream image(folder / kGridImage, std::ios::binary);
+  auto grid = grid_from_files(image, *yaml);
+  if (!grid) return common::invalid_input(folder.string() + ": " + grid.error().message);
+  bundle.grid = std::move(*grid);
+  return {};
+}
+
+common::Result<void> read_landmarks(const fs::path& folder, LoadedMapBundle& bundle) {
+  const auto bytes = read_bounded(folder / kLandmarks, kMaxMapFileBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto landmarks = landmarks_from_bytes(*bytes);
+  if (!landmarks) return common::invalid_input(folder.string() + ": " + landmarks.error().message);
+  bundle.landmarks = std::move(*landmarks);
+  return {};
+}
+
+common::Result<void> read_laser_state(const fs::path& folder, LoadedMapBundle& bundle) {
+  auto bytes = read_bounded(folder / kLaserState, kMaxMapFileBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  bundle.laser_state = std::move(*bytes);
   return {};
 }
 
@@ -137,14 +164,14 @@ common::Result<LoadedMapBundle> read_map_bundle(const fs::path& path) {
 
   LoadedMapBundle bundle;
   bundle.summary = std::move(*summary);
-  std::map<std::string, std::string> contents;
   for (const auto& file : bundle.summary.files) {
-    auto bytes = read_checked(path, file);
-    if (!bytes) return tl::unexpected(bytes.error());
-    contents[file.name] = std::move(*bytes);
+    if (auto good = check(path, file); !good) return tl::unexpected(good.error());
   }
-  if (auto done = interpret(contents, bundle); !done) {
-    return common::invalid_input(path.string() + ": " + done.error().message);
+  const std::array<std::pair<const char*, common::Result<void> (*)(const fs::path&, LoadedMapBundle&)>, 3> readers{
+      {{kGridImage, read_grid}, {kLaserState, read_laser_state}, {kLandmarks, read_landmarks}}};
+  for (const auto& [name, read] : readers) {
+    if (!has_file(bundle.summary.files, name)) continue;
+    if (auto done = read(path, bundle); !done) return tl::unexpected(done.error());
   }
   return bundle;
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/error.hpp"
@@ -17,21 +18,23 @@
 
 namespace slamfuse::service {
 
-/// The fused map of a run: DESIGN section 6, format in service/README.md.
+/// The fused map of a run: DESIGN section 6, format in service/README.md. What is large is only looked at: it must
+/// outlive the writing.
 struct MapBundle {
   std::string program_version;
   std::uint64_t seed = 0;
   std::string recording;
-  bool incomplete = false;                    ///< the run was interrupted
-  std::optional<common::OccupancyGrid> grid;  ///< in the laser map's frame
-  std::string laser_state;                    ///< LaserSlam::serialize(); empty without laser
-  std::vector<common::Landmark> landmarks;    ///< in the visual map's frame
+  bool incomplete = false;                      ///< the run was interrupted
+  const common::OccupancyGrid* grid = nullptr;  ///< in the laser map's frame; null without laser
+  std::string_view laser_state;                 ///< LaserSlam::serialize(); empty without laser
+  std::vector<common::Landmark> landmarks;      ///< in the visual map's frame
   std::optional<fusion::Alignment> alignment;
   std::map<std::string, common::Trajectory2> trajectories;  ///< by name: "laser", "visual", "fused"
 };
 
-/// Writes the bundle as the folder `path`, taking the place of an older one: to a temporary name, synced, renamed.
-/// Errors (kFailed): e.g. disk full; nothing is left behind then.
+/// Writes the bundle as the folder `path`, taking the place of an older one: to a temporary name, synced, renamed. One
+/// file after the other is made, the image in pieces: beside the bundle it takes the largest other file's size in
+/// memory, not that of grid and laser state. Errors (kFailed): e.g. disk full; nothing is left behind then.
 common::Result<void> write_map_bundle(const MapBundle& bundle, const std::filesystem::path& path);
 
 /// What map.yaml says, without the maps themselves.
@@ -63,7 +66,8 @@ bool is_map_bundle(const std::filesystem::path& path);
 /// The names of the files in the bundle in this folder, map.yaml included; empty when it is not a readable bundle.
 std::vector<std::string> files_of_map_bundle(const std::filesystem::path& path);
 
-/// Reads a bundle and checks every file against its length and checksum. Errors (kInvalidInput, naming the file): not a
+/// Reads a bundle and checks every file against its length and checksum. Beside what it gives it takes the size of the
+/// landmarks' file in memory. Errors (kInvalidInput, naming the file): not a
 /// bundle, a file missing, cut, altered, larger than kMaxMapFileBytes, or of a newer format.
 common::Result<LoadedMapBundle> read_map_bundle(const std::filesystem::path& path);
 

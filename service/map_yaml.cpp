@@ -19,10 +19,6 @@ namespace {
 constexpr const char* kFormat = "slamfuse map";
 constexpr int kFormatVersion = 1;
 
-bool has_file(const std::vector<MapBundleFile>& files, const std::string& name) {
-  return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.name == name; });
-}
-
 /// All digits, so that a reader gets the same number back.
 std::string row_major(const Eigen::Matrix4d& matrix) {
   std::string text = "[";
@@ -118,6 +114,10 @@ bool is_sealed(const std::string& text) {
 }
 
 }  // namespace
+
+bool has_file(const std::vector<MapBundleFile>& files, const std::string& name) {
+  return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.name == name; });
+}
 
 std::string sealed(std::string yaml) {
   const std::uint32_t crc32 = crc32_of(yaml);

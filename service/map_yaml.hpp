@@ -17,6 +17,9 @@ inline constexpr const char* kLaserState = "laser_state.bin";
 inline constexpr const char* kLandmarks = "landmarks.bin";
 inline constexpr const char* kLandmarksPly = "landmarks.ply";
 
+/// Whether a file of this name is among them.
+bool has_file(const std::vector<MapBundleFile>& files, const std::string& name);
+
 /// The text with a last line `crc32: "..."` that covers everything before it.
 std::string sealed(std::string yaml);
 

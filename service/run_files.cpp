@@ -30,7 +30,7 @@ MapBundle map_bundle_of(const RunSummary& summary) {
   bundle.seed = summary.seed;
   bundle.recording = summary.recording;
   bundle.incomplete = summary.incomplete;
-  bundle.grid = summary.grid;
+  bundle.grid = summary.grid ? &*summary.grid : nullptr;
   bundle.laser_state = summary.laser_state;
   bundle.landmarks = summary.landmarks;
   bundle.alignment = summary.alignment;
