@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
@@ -29,9 +30,12 @@ common::Result<void> check_calibration(const std::string& sensor, const common::
   const auto refuse = [&](const std::string& what) {
     return common::invalid_input("laser calibration of " + sensor + ": " + what);
   };
-  if (!std::isfinite(c.angle_min)) return refuse("angle_min is not finite");
-  if (!std::isfinite(c.angle_increment) || c.angle_increment == 0.0) {
-    return refuse(fmt::format("angle_increment is {}, allowed is any finite number but 0", c.angle_increment));
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  if (!(std::abs(c.angle_min) <= kTurn)) {
+    return refuse(fmt::format("angle_min is {}, allowed is a turn to either side", c.angle_min));
+  }
+  if (!(std::abs(c.angle_increment) <= kTurn) || c.angle_increment == 0.0) {
+    return refuse(fmt::format("angle_increment is {}, allowed is a turn to either side, not 0", c.angle_increment));
   }
   if (c.beams < 0) return refuse(fmt::format("beams is {}, allowed is 0 (may vary) or more", c.beams));
   if (!std::isfinite(c.range_min) || c.range_min < 0.0 || !std::isfinite(c.range_max) || c.range_max <= c.range_min) {

@@ -102,6 +102,58 @@ TEST(ProjectScan, RejectsImpossibleScansWithTheReason) {
   EXPECT_THAT(reason({kNan, kNan, kNan, kNan}), HasSubstr("no usable beam"));
 }
 
+TEST(ProjectScan, TakesAnyFieldOfViewAndAnyNumberOfBeamsFromTwo) {
+  for (const int beams : {2, 45, 684, 10000}) {
+    for (const double degrees : {1.0, 90.0, -270.0, 360.0}) {
+      common::LaserCalibration laser = testing::full_circle_laser(beams);
+      laser.angle_min = -common::to_radians(degrees / 2.0);
+      laser.angle_increment = common::to_radians(degrees) / (beams - 1);
+      const auto walls = testing::room();
+      const auto scan = testing::scan_at(walls, laser, 0, common::Pose2{});
+      const auto projected = project_scan(scan, laser, {}, Eigen::Vector3d::Zero());
+      ASSERT_TRUE(projected) << beams << " beams over " << degrees << " deg: " << projected.error().message;
+      ASSERT_EQ(projected->beams.size(), static_cast<std::size_t>(beams));
+      EXPECT_LE(projected->match_points.size(), 360u);
+      for (const std::size_t i : {std::size_t{0}, projected->beams.size() / 3, projected->beams.size() - 1}) {
+        const double bearing = laser.angle_min + static_cast<double>(i) * laser.angle_increment;
+        const Eigen::Vector2d expected =
+            testing::cast(walls, {0.0, 0.0}, bearing) * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
+        EXPECT_LT((projected->beams[i].end - expected).norm(), 1e-5) << beams << " beams over " << degrees << " deg";
+      }
+    }
+  }
+}
+
+TEST(ProjectScan, TakesScansWhoseNumberOfBeamsChangesWhereItMay) {
+  common::LaserCalibration laser = quarter_laser();
+  laser.beams = 0;
+  for (const std::size_t count : {std::size_t{2}, std::size_t{7}, std::size_t{3}}) {
+    const auto beams = project_scan(scan_of(std::vector<float>(count, 1.0f)), laser, {}, Eigen::Vector3d::Zero());
+    ASSERT_TRUE(beams);
+    EXPECT_EQ(beams->beams.size(), count);
+  }
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}}) {
+    const auto beams = project_scan(scan_of(std::vector<float>(count, 1.0f)), laser, {}, Eigen::Vector3d::Zero());
+    ASSERT_FALSE(beams);
+    EXPECT_THAT(beams.error().message, HasSubstr("allowed are 2 or more"));
+  }
+}
+
+TEST(ProjectScan, KeepsTheBearingsOfBeamsBesideOnesWithoutMeasurement) {
+  const auto beams = project_scan(scan_of({kNan, 1.0f, kNan, 2.0f}), quarter_laser(), {}, Eigen::Vector3d::Zero());
+  ASSERT_TRUE(beams);
+  ASSERT_EQ(beams->match_points.size(), 2u);
+  EXPECT_LT((beams->match_points[0] - Eigen::Vector2d(0.0, 1.0)).norm(), 1e-9);
+  EXPECT_LT((beams->match_points[1] - Eigen::Vector2d(0.0, -2.0)).norm(), 1e-9);
+}
+
+TEST(ProjectScan, TakesAScanThatSawNothingAtAll) {
+  const auto beams = project_scan(scan_of({kInf, kInf, kInf, kInf}), quarter_laser(), {}, Eigen::Vector3d::Zero());
+  ASSERT_TRUE(beams);
+  EXPECT_EQ(beams->beams.size(), 4u);
+  EXPECT_TRUE(beams->match_points.empty());
+}
+
 TEST(ProjectScan, ThinsTheHitsEvenly) {
   common::LaserCalibration laser = testing::full_circle_laser(1000);
   BeamLimits limits;
@@ -122,7 +174,10 @@ TEST(CheckCalibration, NamesWhatCannotBeUsed) {
   };
   EXPECT_EQ(reason([](auto&) {}), "");
   EXPECT_THAT(reason([](auto& laser) { laser.angle_increment = 0.0; }), HasSubstr("angle_increment"));
+  EXPECT_THAT(reason([](auto& laser) { laser.angle_increment = 1e300; }), HasSubstr("angle_increment is 1e+300"));
+  EXPECT_THAT(reason([](auto& laser) { laser.angle_min = -1e300; }), HasSubstr("angle_min is -1e+300"));
   EXPECT_THAT(reason([](auto& laser) { laser.range_max = 0.05; }), HasSubstr("range_min"));
+  EXPECT_THAT(reason([](auto& laser) { laser.range_max = laser.range_min; }), HasSubstr("range_min < range_max"));
   EXPECT_THAT(reason([](auto& laser) { laser.beams = -1; }), HasSubstr("beams"));
   EXPECT_THAT(reason([](auto& laser) { laser.sweep_duration = -1.0; }), HasSubstr("sweep_duration"));
   EXPECT_THAT(reason([](auto& laser) { laser.sweep_duration = 1e300; }), HasSubstr("0 (unknown) to 60 s"));
