@@ -67,6 +67,11 @@ class LaserSlam::Impl {
       result.rejected = beams.error().message;
       return result;
     }
+    if (!started_ && !restored_ && beams->match_points.empty()) {
+      // Drawn, it would be a map of free space that every later scan contradicts.
+      result.rejected = "no beam met anything: a map begins with the first scan that sees something";
+      return result;
+    }
     result.estimate = !started_ ? start(scan.stamp, *beams) : step(scan.stamp, *beams);
     return result;
   }
@@ -163,6 +168,11 @@ class LaserSlam::Impl {
     if (!covariance.allFinite() || covariance.llt().info() != Eigen::Success) {
       return common::failed("the covariance is not finite or not positive semidefinite");
     }
+    const double spread = std::sqrt(covariance.diagonal().head<2>().maxCoeff());
+    if (spread > GridMap::kFarthest) {
+      return common::failed(
+          fmt::format("the position's standard deviation is {} m, allowed is up to {} m", spread, GridMap::kFarthest));
+    }
     return {};
   }
 
@@ -174,7 +184,9 @@ class LaserSlam::Impl {
     begin_segment(std::nullopt);
     predictor_.forget_speed();
     monitor_.reset();
-    announce("relocalised", "the pose was set from outside");
+    const bool mapped = filter_.best().map.known_at(pose.translation());
+    announce("relocalised", mapped ? "the pose was set from outside"
+                                   : "the pose was set from outside, to where nothing is mapped yet");
   }
 
   common::Result<ScanBeams> project(const common::LaserScan& scan) const {

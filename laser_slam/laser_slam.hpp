@@ -19,7 +19,8 @@ namespace slamfuse::laser_slam {
 ///
 /// Takes the scans of one laser and wheel odometry (which may be missing), in arrival order. Every good scan gives an
 /// estimate with the scan's own stamp: the pose of base_link in the map frame at its first beam. The map frame is
-/// base_link at the first scan. Some scans, after motion, also update the particles and their maps.
+/// base_link at the first scan; one in which no beam met anything begins no map and is rejected. Some scans, after
+/// motion, also update the particles and their maps.
 ///
 /// Deterministic in the sequence of calls and the seed; the number of threads changes nothing but the time taken.
 class LaserSlam : public common::SlamModule {
@@ -37,9 +38,10 @@ class LaserSlam : public common::SlamModule {
   bool wants(const common::SensorMessage& message) const override;
   common::ProcessResult process(const common::SensorMessage& message) override;
   /// SetPose draws the particles around the pose in the best particle's map, or in the restored one when the first scan
-  /// comes; without a map, with a pose farther than 20 km or a covariance that is none it is answered by an event on
-  /// the next estimate. Reset forgets all and starts a new map epoch. Relocalise cannot be done while mapping and is
-  /// answered by an event on the next estimate.
+  /// comes; without a map, with a pose or a standard deviation beyond 20 km or a covariance that is none it is answered
+  /// by an event on the next estimate, as is a pose to where nothing is mapped yet, which is taken. Reset forgets all
+  /// and starts a new map epoch. Relocalise cannot be done while mapping and is answered by an event on the next
+  /// estimate.
   void execute(const common::Command& command) override;
   /// Adjusts the path of all updates so far and the map to the loops among them, see refine_path(): final_trajectory(),
   /// grid() and serialize() then tell the adjusted ones, until the next filter update. Takes about a tenth of the time

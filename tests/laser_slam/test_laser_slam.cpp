@@ -102,6 +102,11 @@ std::vector<common::Pose2> round_the_ring() {
   return poses;
 }
 
+/// What comes of one scan of the room.
+std::optional<common::PoseEstimate> look(LaserSlam& slam, int step, const common::Pose2& at) {
+  return slam.process(testing::scan_at(testing::room(), testing::full_circle_laser(), step * kPeriod, at)).estimate;
+}
+
 TEST(LaserSlam, FollowsADriveThroughARoom) {
   DriveSettings settings;
   settings.options = few_particles();
@@ -209,6 +214,78 @@ TEST(LaserSlam, RejectsImpossibleScansAndGoesOn) {
   EXPECT_LT(testing::distance(result.truth.front() * estimate->pose, circle(21)[20]), 0.05);
 }
 
+TEST(LaserSlam, RejectsScansWithoutAnyMeasurementAndStandsByItsPose) {
+  Drive result = drive(circle(20), {.options = few_particles()});
+  common::LaserScan blind;
+  blind.sensor = "laser0";
+  blind.ranges.assign(180, std::numeric_limits<float>::quiet_NaN());
+  for (int i = 20; i < 25; ++i) {
+    blind.stamp = i * kPeriod;
+    const auto processed = result.slam->process(blind);
+    EXPECT_FALSE(processed.estimate);
+    EXPECT_THAT(processed.rejected.value_or(""), HasSubstr("no usable beam"));
+  }
+  blind.ranges[90] = 2.0F;  // one beam that measures something is a scan
+  EXPECT_TRUE(result.slam->process(blind).estimate);
+  EXPECT_EQ(result.slam->final_trajectory().size(), 21u);
+}
+
+TEST(LaserSlam, BeginsItsMapWithTheFirstScanThatSawSomething) {
+  auto slam = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 1, 1);
+  common::LaserScan warming_up;
+  warming_up.sensor = "laser0";
+  warming_up.ranges.assign(180, HUGE_VALF);
+  EXPECT_THAT(slam->process(warming_up).rejected.value_or(""), HasSubstr("no beam met anything"));
+  const auto poses = circle(60);
+  for (int i = 0; i < 60; ++i) {
+    const common::Pose2& pose = poses[static_cast<std::size_t>(i)];
+    slam->process(common::WheelOdometry{i * kPeriod, "odom0", poses.front().inverse() * pose, 0.0, 0.0});
+    const auto estimate = look(*slam, i, pose);
+    ASSERT_TRUE(estimate);
+    EXPECT_LT(testing::distance(poses.front() * estimate->pose, pose), 0.05) << "step " << i;
+  }
+}
+
+TEST(LaserSlam, WorksWithAnyFieldOfViewAndNumberOfBeams) {
+  const std::vector<std::pair<double, int>> lasers = {{90.0, 45}, {180.0, 361}, {270.0, 10000}};  // [deg], beams
+  for (const auto& [degrees, beams] : lasers) {
+    DriveSettings settings;
+    settings.options = few_particles();
+    settings.laser = testing::full_circle_laser(beams);
+    settings.laser.angle_min = -common::to_radians(degrees / 2.0);
+    settings.laser.angle_increment = common::to_radians(degrees) / (beams - 1);
+    EXPECT_LT(drive(circle(40), settings).worst_error(), 0.15) << beams << " beams over " << degrees << " deg";
+  }
+}
+
+TEST(LaserSlam, GivesAPoseForEveryScanOfTwoBeams) {
+  DriveSettings settings;
+  settings.options = few_particles();
+  settings.laser = testing::full_circle_laser(2);
+  const Drive result = drive(circle(60), settings);
+  ASSERT_EQ(result.estimates.size(), 60u);
+  for (const auto& estimate : result.estimates) {
+    EXPECT_TRUE(estimate.pose.is_finite() && estimate.covariance.allFinite());
+    EXPECT_FALSE(estimate.health.scan_likelihood) << "two beams agree with anything";
+  }
+}
+
+TEST(LaserSlam, TakesNumbersOfBeamsThatChange) {
+  common::LaserCalibration laser = testing::full_circle_laser();
+  laser.beams = 0;
+  auto slam = *LaserSlam::create(few_particles(), "laser0", laser, 1, 1);
+  const auto poses = circle(60);
+  for (int i = 0; i < 60; ++i) {
+    const common::Pose2& pose = poses[static_cast<std::size_t>(i)];
+    slam->process(common::WheelOdometry{i * kPeriod, "odom0", poses.front().inverse() * pose, 0.0, 0.0});
+    common::LaserScan scan = testing::scan_at(testing::room(), testing::full_circle_laser(), i * kPeriod, pose);
+    scan.ranges.resize(i % 3 == 0 ? 180 : 100 + static_cast<std::size_t>(i));  // the last beams are missing
+    const auto estimate = slam->process(scan).estimate;
+    ASSERT_TRUE(estimate);
+    EXPECT_LT(testing::distance(poses.front() * estimate->pose, pose), 0.08) << "step " << i;
+  }
+}
+
 TEST(LaserSlam, IgnoresOtherSensors) {
   Drive result = drive(circle(2), {.options = few_particles()});
   common::LaserScan other = testing::scan_at(testing::room(), testing::full_circle_laser(), kPeriod, common::Pose2{});
@@ -260,11 +337,6 @@ TEST(LaserSlam, AnswersRelocaliseWithAnEvent) {
   EXPECT_EQ(estimate->events[0].kind, "relocalise_refused");
 }
 
-/// What comes of one scan of the room.
-std::optional<common::PoseEstimate> look(LaserSlam& slam, int step, const common::Pose2& at) {
-  return slam.process(testing::scan_at(testing::room(), testing::full_circle_laser(), step * kPeriod, at)).estimate;
-}
-
 TEST(LaserSlam, StartsInASavedMapWhereItIsTold) {
   const Drive first = drive(circle(50), {.options = few_particles()});
   const auto bytes = first.slam->serialize();
@@ -297,7 +369,11 @@ TEST(LaserSlam, AnswersAPoseItCannotTakeWithAnEvent) {
   const std::vector<common::SetPose> bad = {
       {{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, Eigen::Matrix3d::Identity() * 0.01},
       {{1e9, 0.0, 0.0}, Eigen::Matrix3d::Identity() * 0.01},
+      {{0.0, 0.0, std::numeric_limits<double>::infinity()}, Eigen::Matrix3d::Identity() * 0.01},
       {good, Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity())},
+      {good, Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN())},
+      {good, Eigen::Matrix3d::Identity() * 1e12},
+      {good, Eigen::Matrix3d::Identity() * -1.0},
       {good, indefinite}};
   for (const common::SetPose& command : bad) {
     Drive result = drive(circle(10), {.options = few_particles()});
@@ -314,6 +390,34 @@ TEST(LaserSlam, AnswersAPoseItCannotTakeWithAnEvent) {
   ASSERT_TRUE(estimate);
   ASSERT_EQ(estimate->events.size(), 1u);
   EXPECT_EQ(estimate->events[0].kind, "set_pose_refused") << "there is no map yet for the pose to be in";
+}
+
+TEST(LaserSlam, TakesAPoseThatIsHardlyKnownAndStaysWhereItFits) {
+  for (const double variance : {0.0, 4.0, 1e6}) {  // [m2, rad2]
+    Drive result = drive(circle(40), {.options = few_particles(30)});
+    const auto poses = circle(60);
+    const common::Pose2 there = result.truth.front().inverse() * poses[40];
+    result.slam->execute(common::SetPose{there, Eigen::Matrix3d::Identity() * variance});
+    for (std::size_t i = 40; i < 60; ++i) {
+      const auto estimate = look(*result.slam, static_cast<int>(i), poses[i]);
+      ASSERT_TRUE(estimate && estimate->pose.is_finite() && estimate->covariance.allFinite());
+      EXPECT_LT(testing::distance(result.truth.front() * estimate->pose, poses[i]), 0.1) << variance << ", step " << i;
+    }
+    EXPECT_LT(result.slam->grid().cells.size(), 1u << 20) << "no particle far away draws into the best one's map";
+  }
+}
+
+TEST(LaserSlam, TellsOfAPoseSetToWhereNothingIsMapped) {
+  Drive result = drive(circle(20), {.options = few_particles()});
+  for (const auto& [x, words] : {std::pair(0.0, "from outside"), std::pair(80.0, "nothing is mapped yet")}) {
+    result.slam->execute(common::SetPose{{x, 0.0, 0.0}, Eigen::Matrix3d::Identity() * 0.01});
+    const auto estimate = look(*result.slam, 20, circle(1)[0]);
+    ASSERT_TRUE(estimate);
+    ASSERT_FALSE(estimate->events.empty());
+    EXPECT_EQ(estimate->events[0].kind, "relocalised");
+    EXPECT_THAT(estimate->events[0].detail, HasSubstr(words));
+    EXPECT_EQ(estimate->health.scan_likelihood.has_value(), x == 0.0) << "nothing there to agree with";
+  }
 }
 
 TEST(LaserSlam, KeepsItsMapSmallWhenPutFarAway) {
@@ -469,6 +573,40 @@ TEST(LaserSlam, ContinuesInASavedMap) {
   }
   EXPECT_EQ(last.map_epoch, 1u);
   EXPECT_LT(testing::distance(poses.front() * last.pose, poses.back()), 0.05) << "in the frame of the first run";
+}
+
+TEST(LaserSlam, ContinuedMapIsThatOfOneRun) {
+  DriveSettings settings;
+  settings.walls = testing::ring();
+  settings.options = few_particles(15);
+  const auto poses = round_the_ring();
+  const Drive whole = drive(poses, settings);
+  constexpr std::size_t kHalf = 330;
+  const Drive first = drive({poses.begin(), poses.begin() + kHalf}, settings);
+  auto second = *LaserSlam::create(settings.options, "laser0", settings.laser, 2, 1);
+  ASSERT_TRUE(second->restore(*first.slam->serialize()));
+  bool closed = false;
+  for (std::size_t i = kHalf - 1; i < poses.size(); ++i) {
+    const auto stamp = static_cast<common::Nanoseconds>(i) * kPeriod;
+    second->process(common::WheelOdometry{stamp, "odom0", poses[i], 0.0, 0.0});
+    const auto estimate = second->process(testing::scan_at(settings.walls, settings.laser, stamp, poses[i])).estimate;
+    ASSERT_TRUE(estimate);
+    for (const common::Event& event : estimate->events) closed = closed || event.kind == "loop_closed";
+  }
+  EXPECT_TRUE(closed) << "with what the first run has seen";
+  const auto path = second->final_trajectory();
+  ASSERT_EQ(path.size(), poses.size() - kHalf + 1);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    EXPECT_LT(testing::distance(poses.front() * path[i].pose, poses[kHalf - 1 + i]), 0.2) << i;
+  }
+  const common::OccupancyGrid grid = second->grid();
+  EXPECT_NEAR(grid.width, whole.slam->grid().width, 4);
+  EXPECT_NEAR(grid.height, whole.slam->grid().height, 4);
+  // One set of walls: as many occupied cells as the run that mapped it in one go.
+  const auto occupied = [](const common::OccupancyGrid& map) {
+    return std::count_if(map.cells.begin(), map.cells.end(), [](int cell) { return cell > 65; });
+  };
+  EXPECT_LT(static_cast<double>(occupied(grid)), 1.15 * static_cast<double>(occupied(whole.slam->grid())));
 }
 
 TEST(LaserSlam, RefusesACalibrationItCannotUse) {
