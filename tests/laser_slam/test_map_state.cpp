@@ -3,11 +3,14 @@
 
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include "laser_slam/random_stream.hpp"
+#include "process_meter.hpp"
 #include "synthetic_room.hpp"
 
 namespace slamfuse::laser_slam {
@@ -103,6 +106,43 @@ TEST(MapState, ReadsTheUncompressedFirstVersion) {
 TEST(MapState, IsSmallerThanItsTiles) {
   const std::string bytes = *serialize_state(room_state());
   EXPECT_LT(bytes.size(), payload_of(bytes).size() / 10);
+}
+
+/// A large map: as many tiles as corridors of 1.5 km would fill, a seventh of their cells walls.
+MapState large_state() {
+  MapState state{{}, 0.0, GridMap{MapOptions{}}};
+  RandomStream random(3, 3);
+  constexpr int kSide = 80;
+  EXPECT_TRUE(state.map.tiles().include(0, 0, kSide, kSide));
+  for (int i = 0; i < kSide * kSide; ++i) {
+    Tile& tile = state.map.tiles().write(i % kSide, i / kSide);
+    for (std::size_t cell = 0; cell < Tile::kCells; ++cell) {
+      const bool wall = cell % 7 == 0;
+      tile.log_odds[cell] = static_cast<std::int8_t>((wall ? -100.0 : 40.0) + 20.0 * random.uniform());
+      if (!wall) continue;
+      tile.endpoints[cell] = {static_cast<std::int16_t>(20000.0 * random.uniform()),
+                              static_cast<std::int16_t>(20000.0 * random.uniform()),
+                              static_cast<std::uint16_t>(1 + 20.0 * random.uniform()), 1000};
+    }
+  }
+  return state;
+}
+
+TEST(MapState, IsSavedAndLoadedWithoutASecondCopyInMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers keep memory of their own";
+#endif
+  std::optional<MapState> state;
+  const double map_bytes = measure([&] { state = large_state(); }).kept_bytes;
+  ASSERT_GT(map_bytes, 50e6);
+  std::string bytes;
+  const WorkCost saving = measure([&] { bytes = *serialize_state(*state); });
+  const double saved_bytes = static_cast<double>(bytes.size());
+  EXPECT_LT(saved_bytes, 0.4 * map_bytes) << "though its numbers are random";
+  EXPECT_LT(saving.peak_bytes, 3.0 * saved_bytes + 2e6) << "a string that grows, and nothing else";
+  state.reset();
+  const WorkCost loading = measure([&] { state = *parse_state(bytes, MapOptions{}); });
+  EXPECT_LT(loading.peak_bytes, 1.05 * map_bytes + 2e6);
 }
 
 TEST(MapState, RefusesAPayloadThatIsCutAnywhereOrTooLong) {
