@@ -66,7 +66,8 @@ void for_each_occupied(const TileGrid& tiles, int center_x, int center_y, int re
     if (right) bits |= right->occupied[static_cast<std::size_t>(local_y)] << (Tile::kSide - local_x);
     for (bits &= window; bits != 0; bits &= bits - 1) {
       const int x = local_x + std::countr_zero(bits);
-      visit(x < Tile::kSide ? *left : *right, first_x + std::countr_zero(bits), cell_y);
+      const Tile* tile = x < Tile::kSide ? left : right;
+      if (tile) visit(*tile, first_x + std::countr_zero(bits), cell_y);
     }
   }
 }
