@@ -40,7 +40,7 @@ struct SensorInfo {
 
 struct RecordingInfo {
   std::filesystem::path path;
-  std::string format;  ///< "euroc", "carmen", "rawlog", "images"
+  std::string format;  ///< "euroc", "carmen", "rawlog", "images", "ros1", "ros2"
   std::map<std::string, SensorInfo> sensors;
   Calibration calibration;
   /// Whether stamps tell the true order: those of every sensor rise. A CARMEN log comes in file order, which is the
@@ -48,6 +48,18 @@ struct RecordingInfo {
   bool stamp_ordered = true;
   Nanoseconds first_stamp = 0;  ///< smallest over all sensors
   Nanoseconds last_stamp = 0;   ///< largest over all sensors
+  /// What was chosen or assumed where the recording left it open, one sentence each.
+  std::vector<std::string> notes;
+};
+
+/// What a user tells of a recording that it does not tell itself. For ROS bags only, see choose_ros_topics().
+struct RecordingOptions {
+  /// Topics by sensor name ("laser0", "odom0", "cam0", ...) or "truth"; "none" leaves it out. Naming one sensor of a
+  /// kind leaves out all others of that kind.
+  std::map<std::string, std::string> topics;
+  std::string base_frame;  ///< the frame whose pose is sought; empty: guessed
+
+  bool empty() const { return topics.empty() && base_frame.empty(); }
 };
 
 /// A recording being read from front to back, lazily, all sensors merged in time order (or in file order where the
@@ -61,13 +73,19 @@ class Recording {
 };
 
 /// Opens a recording, recognised by its content (DESIGN section 5): an EuRoC/ASL folder, a folder of images with
-/// `sensor.yaml`, a CARMEN log (plain, gzip, bzip2), an MRPT rawlog. Errors (kInvalidInput): no such path, no known
-/// format, no sensor with a message, sensors that have no time in common.
-Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& path);
+/// `sensor.yaml`, a CARMEN log (plain, gzip, bzip2), an MRPT rawlog, a ROS 2 bag (SQLite, folder or file), a ROS 1 bag.
+/// Errors (kInvalidInput): no such path, no known format, no sensor with a message, sensors that have no time in
+/// common. Errors (kUsage): options that do not fit the recording.
+Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& path,
+                                                  const RecordingOptions& options = {});
 
-/// True poses of base_link that lie beside the recording (`state_groundtruth_estimate0` of an EuRoC folder, the
-/// `NAME.reference.txt` of a CARMEN log), empty when there are none. For evaluation only: never hand them to an
-/// estimator. Error (kInvalidInput): they are there and cannot be read.
-Result<Trajectory2> read_ground_truth(const std::filesystem::path& path);
+/// Whether a path is a ROS bag: only a bag's topics and frames can be chosen.
+bool is_ros_bag(const std::filesystem::path& path);
+
+/// True poses that lie beside or in the recording, empty when there are none: of base_link the
+/// `state_groundtruth_estimate0` of an EuRoC folder and the `NAME.reference.txt` of a CARMEN log, of the tracked body
+/// the motion capture in a ROS bag. For evaluation only: never hand them to an estimator. Error (kInvalidInput): they
+/// are there and cannot be read. Error (kUsage): options that do not fit the recording.
+Result<Trajectory2> read_ground_truth(const std::filesystem::path& path, const RecordingOptions& options = {});
 
 }  // namespace slamfuse::common
