@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kLongestDelay = 60.0;     ///< [s] bounds the memory
 constexpr double kLargestOffset = 3600.0;  ///< [s]
+constexpr double kLongestSweep = 60.0;     ///< [s]
 constexpr double kLongestRecording = 1e9;  ///< [s]
 constexpr Nanoseconds kOutOfStep = 5 * kNanosecondsPerSecond;
 
@@ -37,6 +38,12 @@ void move_stamp(RecordingItem& item, Nanoseconds offset) {
   }
 }
 
+void reverse_beams(RecordingItem& item) {
+  auto* message = std::get_if<SensorMessage>(&item);
+  auto* scan = message != nullptr ? std::get_if<LaserScan>(message) : nullptr;
+  if (scan != nullptr) std::reverse(scan->ranges.begin(), scan->ranges.end());
+}
+
 using BySensor = std::map<std::string, Nanoseconds>;
 
 Nanoseconds value_or_zero(const BySensor& values, const std::string& sensor) {
@@ -47,12 +54,13 @@ Nanoseconds value_or_zero(const BySensor& values, const std::string& sensor) {
 class Replay final : public Recording {
  public:
   Replay(std::unique_ptr<Recording> source, RecordingInfo info, Nanoseconds begin, Nanoseconds end,
-         std::set<std::string> only_sensors, BySensor delays, BySensor offsets)
+         std::set<std::string> only_sensors, std::set<std::string> reversed, BySensor delays, BySensor offsets)
       : source_(std::move(source)),
         info_(std::move(info)),
         begin_(begin),
         end_(end),
         only_sensors_(std::move(only_sensors)),
+        reversed_(std::move(reversed)),
         delays_(std::move(delays)),
         offsets_(std::move(offsets)) {}
 
@@ -69,6 +77,7 @@ class Replay final : public Recording {
     RecordingItem item = std::move(waiting_.back().item);
     waiting_.pop_back();
     move_stamp(item, value_or_zero(offsets_, sensor_of(item)));
+    if (reversed_.contains(sensor_of(item))) reverse_beams(item);
     return item;
   }
 
@@ -107,6 +116,7 @@ class Replay final : public Recording {
   Nanoseconds begin_;
   Nanoseconds end_;
   std::set<std::string> only_sensors_;
+  std::set<std::string> reversed_;  ///< lasers whose last beam is fired first
   BySensor delays_;
   BySensor offsets_;
   std::vector<Waiting> waiting_;                                 ///< a heap, the first to arrive at its front
@@ -148,6 +158,25 @@ RecordingInfo played_info(RecordingInfo info, Nanoseconds begin, Nanoseconds end
   return info;
 }
 
+/// Sets the sweep durations of lasers; those with a negative one are turned round and named in `reversed`.
+Result<void> set_sweeps(const BySensor& sweeps, RecordingInfo& info, std::set<std::string>& reversed) {
+  for (const auto& [sensor, sweep] : sweeps) {
+    const auto found = info.calibration.lasers.find(sensor);
+    if (found == info.calibration.lasers.end()) return usage_error("--sweep-duration: " + sensor + " is no laser");
+    LaserCalibration& laser = found->second;
+    laser.sweep_duration = std::abs(to_seconds(sweep));
+    if (sweep >= 0) continue;
+    if (laser.beams == 0) {
+      return usage_error("--sweep-duration of " + sensor +
+                         " is negative, but its scans vary in length, so their last beam is not known");
+    }
+    laser.angle_min += (laser.beams - 1) * laser.angle_increment;
+    laser.angle_increment = -laser.angle_increment;
+    reversed.insert(sensor);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Recording>> replay(std::unique_ptr<Recording> recording, const ReplayOptions& options) {
@@ -161,6 +190,8 @@ Result<std::unique_ptr<Recording>> replay(std::unique_ptr<Recording> recording, 
   if (!delays) return tl::unexpected(delays.error());
   Result<BySensor> offsets = checked(options.stamp_offset, info, "--stamp-offset", -kLargestOffset, kLargestOffset);
   if (!offsets) return tl::unexpected(offsets.error());
+  Result<BySensor> sweeps = checked(options.sweep_duration, info, "--sweep-duration", -kLongestSweep, kLongestSweep);
+  if (!sweeps) return tl::unexpected(sweeps.error());
 
   const Nanoseconds begin = info.first_stamp + from_seconds(options.from);
   const Nanoseconds end = info.first_stamp + from_seconds(to);
@@ -169,8 +200,10 @@ Result<std::unique_ptr<Recording>> replay(std::unique_ptr<Recording> recording, 
                        ", which lasts " + std::to_string(to_seconds(info.last_stamp - info.first_stamp)) + " s");
   }
   RecordingInfo played = played_info(info, begin, end, *offsets);
+  std::set<std::string> reversed;
+  if (auto set = set_sweeps(*sweeps, played, reversed); !set) return tl::unexpected(set.error());
   return std::make_unique<Replay>(std::move(recording), std::move(played), begin, end, options.only_sensors,
-                                  std::move(*delays), std::move(*offsets));
+                                  std::move(reversed), std::move(*delays), std::move(*offsets));
 }
 
 }  // namespace slamfuse::common

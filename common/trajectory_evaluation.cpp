@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/angle.hpp"
+#include "common/offset_fit.hpp"
 #include "common/trajectory_coverage.hpp"
 
 namespace slamfuse::common {
@@ -25,10 +26,11 @@ struct PosePair {
   Pose2 reference;
 };
 
-std::vector<PosePair> pairs_in_common(const Trajectory2& estimate, const Trajectory2& reference, Nanoseconds max_gap) {
+std::vector<PosePair> pairs_in_common(const Trajectory2& estimate, const Trajectory2& reference, Nanoseconds max_gap,
+                                      Nanoseconds clock_offset = 0) {
   std::vector<PosePair> pairs;
   for (const StampedPose2& pose : estimate) {
-    if (const std::optional<Pose2> truth = pose_at(reference, pose.stamp, max_gap)) {
+    if (const std::optional<Pose2> truth = pose_at(reference, pose.stamp + clock_offset, max_gap)) {
       pairs.push_back({pose.stamp, pose.pose, *truth});
     }
   }
@@ -64,9 +66,13 @@ Result<Similarity2> fit_alignment(const std::vector<PosePair>& pairs, Nanosecond
                   source.size()));
 }
 
+Nanoseconds before_first(const std::vector<Nanoseconds>& carries) {
+  return carries.empty() ? std::numeric_limits<Nanoseconds>::max() : carries.front();
+}
+
 Result<Similarity2> choose_alignment(const std::vector<PosePair>& pairs, const std::vector<Nanoseconds>& carries,
                                      const EvaluationOptions& options) {
-  const Nanoseconds first_carry = carries.empty() ? std::numeric_limits<Nanoseconds>::max() : carries.front();
+  const Nanoseconds first_carry = before_first(carries);
   switch (options.align) {
     case EvaluationAlignment::kNone:
       return Similarity2{};
@@ -78,6 +84,50 @@ Result<Similarity2> choose_alignment(const std::vector<PosePair>& pairs, const s
       return fit_alignment(pairs, first_carry, FitGroup::kSimilarity);
   }
   return Similarity2{};
+}
+
+/// A difference of the clocks with the offset that fits best under it.
+struct ClockFit {
+  Nanoseconds clock_offset = 0;
+  OffsetFit offset;
+  std::vector<PosePair> pairs;
+};
+
+std::optional<ClockFit> fit_at(Nanoseconds clock_offset, const Trajectory2& estimate, const Trajectory2& truth,
+                               Nanoseconds before, Nanoseconds max_gap) {
+  ClockFit fit{clock_offset, {}, pairs_in_common(estimate, truth, max_gap, clock_offset)};
+  std::vector<Pose2> source;
+  std::vector<Pose2> target;
+  for (const PosePair& pair : fit.pairs) {
+    if (pair.stamp > before) continue;
+    source.push_back(pair.estimate);
+    target.push_back(pair.reference);
+  }
+  const auto offset = fit_offset(source, target);
+  if (!offset) return std::nullopt;
+  fit.offset = *offset;
+  return fit;
+}
+
+/// The best fit over all differences of the clocks: on a grid, refined around its best.
+std::optional<ClockFit> fit_clocks(const Trajectory2& estimate, const Trajectory2& truth, Nanoseconds before,
+                                   Nanoseconds max_gap) {
+  constexpr Nanoseconds kCoarse = kNanosecondsPerSecond / 50;
+  constexpr Nanoseconds kFine = kNanosecondsPerSecond / 2000;
+  const std::size_t enough = pairs_in_common(estimate, truth, max_gap).size() / 2;
+  std::optional<ClockFit> best;
+  const auto consider = [&](Nanoseconds clock_offset) {
+    auto fit = fit_at(clock_offset, estimate, truth, before, max_gap);
+    const bool better = fit && fit->pairs.size() >= enough && (!best || fit->offset.rmse < best->offset.rmse);
+    if (better) best = std::move(fit);
+  };
+  for (Nanoseconds at = -kMostClockOffset; at <= kMostClockOffset; at += kCoarse) consider(at);
+  for (Nanoseconds step = kCoarse / 2; best && step >= kFine; step /= 2) {
+    const Nanoseconds middle = best->clock_offset;
+    consider(middle - step);
+    consider(middle + step);
+  }
+  return best;
 }
 
 /// Mean relative translation error in percent over the sub-paths that start at each pair and end at the first pair at
@@ -149,13 +199,25 @@ Result<TrajectoryAccuracy> evaluate_trajectory(const Trajectory2& estimate, cons
                                      estimate.size(), reference.size()));
   }
   const std::vector<Nanoseconds> carries = find_carries(truth);
-  const Result<Similarity2> alignment = choose_alignment(pairs, carries, options);
-  if (!alignment) return tl::unexpected(alignment.error());
-  for (PosePair& pair : pairs) pair.estimate = *alignment * pair.estimate;
-
   TrajectoryAccuracy accuracy;
   accuracy.align = options.align;
-  accuracy.T_reference_estimate = *alignment;
+  if (options.fit_offset) {
+    if (options.align != EvaluationAlignment::kSe2) {
+      return usage_error("an offset can be fitted with the alignment se2 only, not with " + to_string(options.align));
+    }
+    auto fit = fit_clocks(estimate, truth, before_first(carries), options.max_reference_gap);
+    if (!fit) return invalid_input("too few poses in common with the reference, or all in one place, to fit an offset");
+    pairs = std::move(fit->pairs);
+    accuracy.T_reference_estimate = {1.0, fit->offset.T_reference_estimate};
+    accuracy.T_base_body = fit->offset.T_base_body;
+    accuracy.clock_offset = fit->clock_offset;
+  } else {
+    const Result<Similarity2> alignment = choose_alignment(pairs, carries, options);
+    if (!alignment) return tl::unexpected(alignment.error());
+    accuracy.T_reference_estimate = *alignment;
+  }
+  for (PosePair& pair : pairs) pair.estimate = accuracy.T_reference_estimate * (pair.estimate * accuracy.T_base_body);
+
   sum_up_errors(pairs, accuracy);
   accuracy.rpe_percent = relative_error_percent(pairs, carries);
   accuracy.coverage = trajectory_coverage(estimate, truth);

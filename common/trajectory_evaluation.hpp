@@ -29,7 +29,14 @@ struct EvaluationOptions {
   /// compares at equal stamps only (corrected CARMEN logs: file order matters there, interpolation in time would be
   /// wrong).
   Nanoseconds max_reference_gap = kNanosecondsPerSecond / 10;
+  /// For a reference by another system, a motion capture: with kSe2, one constant offset of the body it tracks from
+  /// base_link and one constant difference of the clocks (up to kMostClockOffset) are fitted together with the
+  /// alignment, by the least squares of the positions.
+  bool fit_offset = false;
 };
+
+/// Largest difference of the clocks that is looked for.
+inline constexpr Nanoseconds kMostClockOffset = kNanosecondsPerSecond * 3 / 10;
 
 /// How far one pose is off.
 struct PoseError {
@@ -41,6 +48,8 @@ struct PoseError {
 struct TrajectoryAccuracy {
   EvaluationAlignment align = EvaluationAlignment::kSe2;
   Similarity2 T_reference_estimate;  ///< what the estimate was moved by
+  Pose2 T_base_body;                 ///< with fit_offset: the tracked body on the robot
+  Nanoseconds clock_offset = 0;      ///< with fit_offset: added to the estimate's stamps
   double ate_rmse_m = 0.0;           ///< root mean square of the position errors
   double ate_max_m = 0.0;
   double heading_rmse_deg = 0.0;
@@ -66,7 +75,8 @@ inline constexpr double kSubPathLength = 5.0;
 ///   than 0.1 s are left out of both. For a sparse reference (more than half of its steps are longer than 0.1 s) it is
 ///   the share of reference poses with an estimate in the 0.5 s before them, and there are no carries.
 ///
-/// Errors (kInvalidInput): the two have no pose in common, or too few or all in one place to fit the alignment.
+/// Errors (kInvalidInput): the two have no pose in common, or too few or all in one place to fit the alignment. Error
+/// (kUsage): an offset is to be fitted with another alignment than se2.
 Result<TrajectoryAccuracy> evaluate_trajectory(const Trajectory2& estimate, const Trajectory2& reference,
                                                const EvaluationOptions& options = {});
 
