@@ -87,7 +87,7 @@ class LaserLocalization::Impl {
     const common::Nanoseconds sweep = options_.compensate_sweep ? common::from_seconds(calibration_.sweep_duration) : 0;
     const auto beams = project_scan(scan, calibration_,
                                     {options_.max_range, options_.map.free_beyond_range, options_.matcher.max_beams},
-                                    predictor_.sweep_twist(scan.stamp, sweep));
+                                    predictor_.begin_sweep(scan.stamp, sweep));
     if (!beams) {
       result.rejected = beams.error().message;
       return result;

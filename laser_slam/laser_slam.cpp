@@ -189,11 +189,11 @@ class LaserSlam::Impl {
                                    : "the pose was set from outside, to where nothing is mapped yet");
   }
 
-  common::Result<ScanBeams> project(const common::LaserScan& scan) const {
+  common::Result<ScanBeams> project(const common::LaserScan& scan) {
     const common::Nanoseconds sweep = options_.compensate_sweep ? common::from_seconds(calibration_.sweep_duration) : 0;
     return project_scan(scan, calibration_,
                         {options_.max_range, options_.map.free_beyond_range, options_.matcher.max_beams},
-                        predictor_.sweep_twist(scan.stamp, sweep));
+                        predictor_.begin_sweep(scan.stamp, sweep));
   }
 
   common::PoseEstimate start(common::Nanoseconds stamp, const ScanBeams& beams) {

@@ -15,6 +15,7 @@ constexpr double kLongestStep = 1.0;
 void MotionPredictor::start(common::Nanoseconds stamp) {
   last_stamp_ = stamp;
   last_odometry_ = odometry_.pose_at(stamp);
+  last_half_ = begun_half_;
   twist_.setZero();
 }
 
@@ -33,7 +34,7 @@ MotionPrediction MotionPredictor::predict(common::Nanoseconds stamp) const {
 
 common::Pose2 MotionPredictor::at_last_speed(double seconds) const {
   if (seconds <= 0.0 || seconds > kLongestStep) return {};
-  return common::exp_se2(twist_ * seconds);
+  return last_half_ * common::exp_se2(twist_ * seconds) * begun_half_.inverse();
 }
 
 void MotionPredictor::finish(common::Nanoseconds stamp, const MotionPrediction& prediction,
@@ -41,10 +42,17 @@ void MotionPredictor::finish(common::Nanoseconds stamp, const MotionPrediction& 
   last_stamp_ = stamp;
   last_odometry_ = odometry_.pose_at(stamp);
   if (prediction.seconds > kShortestStep && prediction.seconds < kLongestStep) {
-    twist_ = common::log_se2(matched) / prediction.seconds;
+    twist_ = common::log_se2(last_half_.inverse() * matched * begun_half_) / prediction.seconds;
   } else if (prediction.seconds >= kLongestStep) {
     twist_.setZero();
   }
+  last_half_ = begun_half_;
+}
+
+Eigen::Vector3d MotionPredictor::begin_sweep(common::Nanoseconds stamp, common::Nanoseconds duration) {
+  const Eigen::Vector3d twist = sweep_twist(stamp, duration);
+  begun_half_ = common::exp_se2(twist * (0.5 * common::to_seconds(duration)));
+  return twist;
 }
 
 Eigen::Vector3d MotionPredictor::sweep_twist(common::Nanoseconds stamp, common::Nanoseconds duration) const {

@@ -34,18 +34,26 @@ class MotionPredictor {
   MotionPrediction predict(common::Nanoseconds stamp) const;
   /// Ends the step to a scan with the motion it was found to have been.
   void finish(common::Nanoseconds stamp, const MotionPrediction& prediction, const common::Pose2& matched);
-  /// The body twist [m/s, m/s, rad/s] while a sweep of this duration passes, zero for duration 0: by the odometry, or
-  /// the last matched speed where that is missing or jumps.
-  Eigen::Vector3d sweep_twist(common::Nanoseconds stamp, common::Nanoseconds duration) const;
-  /// The motion at the last matched speed; none over a gap too long for a speed to last.
+  /// Begins a scan that takes `duration`: the body twist [m/s, m/s, rad/s] while its sweep passes, zero for duration 0.
+  /// By the odometry, or the last matched speed where that is missing or jumps.
+  Eigen::Vector3d begin_sweep(common::Nanoseconds stamp, common::Nanoseconds duration);
+  /// The motion from the last scan to the one begun at the last matched speed; none over a gap too long for a speed to
+  /// last.
   common::Pose2 at_last_speed(double seconds) const;
 
  private:
+  Eigen::Vector3d sweep_twist(common::Nanoseconds stamp, common::Nanoseconds duration) const;
+
   MotionModelOptions options_;
   common::OdometryBuffer odometry_;
   common::Nanoseconds last_stamp_ = 0;
   std::optional<common::Pose2> last_odometry_;       // as it was asked for at the last scan
   Eigen::Vector3d twist_ = Eigen::Vector3d::Zero();  // last matched speed
+  // A match fixes base_link in the middle of the sweep; where it was at the first beam follows from the twist the sweep
+  // was undone with. So speeds are taken from middle to middle: from first beam to first beam an error of the speed
+  // would come back in the next one, and swings without end where sweeps fill the time between scans.
+  common::Pose2 last_half_;   // T_base(first beam)_base(middle) of the last scan
+  common::Pose2 begun_half_;  // the same of the scan begun
 };
 
 }  // namespace slamfuse::laser_slam
