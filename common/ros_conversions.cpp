@@ -17,7 +17,6 @@ constexpr std::size_t kFewestReadings = 2;
 constexpr std::size_t kMostReadings = 100'000;
 /// Geometry repeated with every scan may differ by rounding, not by more [m, rad].
 constexpr float kGeometryTolerance = 1e-4F;
-constexpr double kLongestSweep = 60.0;  ///< [s]
 constexpr std::size_t kMostDistortion = 5;
 
 /// Bytes a pixel and where its colours stand.
@@ -36,7 +35,25 @@ const PixelLayout* layout_of(const std::string& encoding) {
   return found == layouts.end() ? nullptr : &found->second;
 }
 
+/// The angle from the first beam to the last [rad].
+double aperture_of(const RosLaserScan& scan) {
+  const std::size_t steps = scan.ranges.empty() ? 0 : scan.ranges.size() - 1;
+  return static_cast<double>(steps) * std::abs(static_cast<double>(scan.angle_increment));
+}
+
 }  // namespace
+
+double stated_sweep(const RosLaserScan& scan) {
+  constexpr double kLongestSweep = 60.0;
+  const std::size_t steps = scan.ranges.empty() ? 0 : scan.ranges.size() - 1;
+  const double sweep = static_cast<double>(steps) * static_cast<double>(scan.time_increment);
+  return sweep > 0.0 && sweep <= kLongestSweep ? sweep : 0.0;
+}
+
+bool is_full_circle(const RosLaserScan& scan) {
+  constexpr double kNearly = 0.97;
+  return aperture_of(scan) >= kNearly * 2.0 * std::numbers::pi;
+}
 
 Result<LaserCalibration> laser_calibration_of(const RosLaserScan& scan, const Pose3& T_base_laser) {
   const std::size_t readings = scan.ranges.size();
@@ -44,7 +61,7 @@ Result<LaserCalibration> laser_calibration_of(const RosLaserScan& scan, const Po
     return invalid_input(
         fmt::format("scan of {} readings (allowed: {} to {})", readings, kFewestReadings, kMostReadings));
   }
-  const double aperture = static_cast<double>(readings - 1) * std::abs(static_cast<double>(scan.angle_increment));
+  const double aperture = aperture_of(scan);
   // Some drivers give the last beam of a full turn again, or round the increment up.
   constexpr double kWidest = 2.0 * std::numbers::pi * 1.01;
   if (!std::isfinite(scan.angle_min) || !(aperture > 0.0 && aperture <= kWidest)) {
@@ -62,8 +79,7 @@ Result<LaserCalibration> laser_calibration_of(const RosLaserScan& scan, const Po
   laser.beams = static_cast<int>(readings);
   laser.range_min = static_cast<double>(scan.range_min);
   laser.range_max = static_cast<double>(scan.range_max);
-  const double sweep = static_cast<double>(readings - 1) * static_cast<double>(scan.time_increment);
-  if (sweep > 0.0 && sweep <= kLongestSweep) laser.sweep_duration = sweep;
+  if (!is_full_circle(scan)) laser.sweep_duration = stated_sweep(scan);
   return laser;
 }
 

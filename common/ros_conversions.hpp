@@ -9,8 +9,14 @@
 
 namespace slamfuse::common {
 
-/// A laser's geometry as a scan states it, with `sweep_duration` from its time_increment (0 = not told). Error, the
-/// reason alone: an impossible geometry.
+/// How long a sweep takes by the scan's time_increment [s]; 0 = not told, or impossible.
+double stated_sweep(const RosLaserScan& scan);
+/// Whether a scan goes (nearly) all the way round.
+bool is_full_circle(const RosLaserScan& scan);
+
+/// A laser's geometry as a scan states it. `sweep_duration` is the stated one, but 0 for a laser that looks all the way
+/// round: their heads mostly turn clockwise, drivers turn the ranges round and leave the time_increment positive, so
+/// the order of firing is not known. Error, the reason alone: an impossible geometry.
 Result<LaserCalibration> laser_calibration_of(const RosLaserScan& scan, const Pose3& T_base_laser);
 /// A scan of that laser. Ranges by REP 117 and as_range(): NaN, -inf, 0 and what is nearer than range_min is no
 /// measurement, +inf and what is beyond range_max saw nothing. Error, the reason alone: another geometry.

@@ -227,8 +227,18 @@ class RosSetup {
     const auto laser = laser_calibration_of(*summary_of(sensor).scan,
                                             mounting(sensor.name, topics_.base_frame, sensor.frame, Pose3{}));
     if (!laser) return tl::unexpected(laser.error());
-    if (laser->sweep_duration == 0.0) {
-      info_.notes.push_back(sensor.name + ": its messages do not tell how long a sweep takes");
+    const double stated = stated_sweep(*summary_of(sensor).scan);
+    if (stated == 0.0) {
+      info_.notes.push_back(
+          fmt::format("{}: its messages do not tell how long a sweep takes, motion during it is not "
+                      "undone (--sweep-duration)",
+                      sensor.name));
+    } else if (laser->sweep_duration == 0.0) {
+      info_.notes.push_back(
+          fmt::format("{0}: a sweep of {1:.4f} s is told, but not in which direction the laser turns, "
+                      "so motion during it is not undone; --sweep-duration {0}={1:.4f} if the first "
+                      "beam is fired first, {0}=-{1:.4f} if the last one is",
+                      sensor.name, stated));
     }
     info_.calibration.lasers[sensor.name] = *laser;
     return {};
