@@ -69,6 +69,36 @@ Result<std::map<std::string, double>> parse_seconds_by_sensor(const char* flag, 
   return seconds;
 }
 
+/// What the user tells of a recording, shared by several commands.
+struct RecordingFlags {
+  std::vector<std::string> topics;
+  std::string base_frame;
+
+  void add_to(CLI::App& command) {
+    command
+        .add_option("--topic", topics,
+                    "SENSOR=TOPIC of a ROS bag, e.g. laser0=/front/scan, odom0=/tf, truth=/mocap/pose; `none` leaves "
+                    "it out; repeatable")
+        ->allow_extra_args(false);
+    command.add_option("--base-frame", base_frame, "Frame of the robot in a ROS bag (default: base_link or alike)");
+  }
+
+  Result<common::RecordingOptions> read() const {
+    common::RecordingOptions options;
+    options.base_frame = base_frame;
+    for (const auto& text : topics) {
+      const std::size_t equals = text.find('=');
+      if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+        return common::usage_error(fmt::format("--topic {}: must be SENSOR=TOPIC", text));
+      }
+      if (!options.topics.emplace(text.substr(0, equals), text.substr(equals + 1)).second) {
+        return common::usage_error(fmt::format("--topic {}: the sensor was given twice", text));
+      }
+    }
+    return options;
+  }
+};
+
 /// A finite number from `smallest` on; CLI11's own range check lets NaN pass.
 CLI::Validator finite_from(double smallest) {
   return CLI::Validator(
@@ -95,10 +125,12 @@ class RunFlags {
  public:
   explicit RunFlags(CLI::App& app) : command_(app.add_subcommand("run", "Laser and visual SLAM side by side, fused")) {
     command_
-        ->add_option("RECORDING", request_.recording, "EuRoC/ASL folder, CARMEN log, MRPT rawlog or folder of images")
+        ->add_option("RECORDING", request_.recording,
+                     "EuRoC/ASL folder, ROS 2 or ROS 1 bag, CARMEN log, MRPT rawlog or folder of images")
         ->required();
     command_->add_option("-o,--out", request_.out, "Folder for the results")->required();
     configuration_.add_to(*command_);
+    recording_.add_to(*command_);
     command_
         ->add_option("--mode", mode_,
                      "slam: make a map; localization: the laser finds itself in --map, which stays as it is, while "
@@ -129,6 +161,11 @@ class RunFlags {
         ->allow_extra_args(false);
     command_->add_option("--stamp-offset", stamp_offset_, "SENSOR=S: its stamps are falsified by S seconds; repeatable")
         ->allow_extra_args(false);
+    command_
+        ->add_option("--sweep-duration", sweep_duration_,
+                     "SENSOR=S: a sweep of this laser takes S seconds, whatever the recording says; negative: its last "
+                     "beam is fired first; repeatable")
+        ->allow_extra_args(false);
     command_->add_flag("--dds", request_.dds, "Publish pose, map and tf as ROS 2 topics while running");
     command_->add_option("--rate", request_.rate, "Recording seconds in a second; 0: as fast as possible")
         ->check(finite_from(0.0));
@@ -147,6 +184,12 @@ class RunFlags {
     if (!delay) return tl::unexpected(delay.error());
     auto offset = parse_seconds_by_sensor("--stamp-offset", stamp_offset_, -HUGE_VAL);
     if (!offset) return tl::unexpected(offset.error());
+    auto sweep = parse_seconds_by_sensor("--sweep-duration", sweep_duration_, -HUGE_VAL);
+    if (!sweep) return tl::unexpected(sweep.error());
+    auto recording = recording_.read();
+    if (!recording) return tl::unexpected(recording.error());
+    request_.recording_options = std::move(*recording);
+    request_.sweep_duration = std::move(*sweep);
     request_.configuration = *configuration;
     if (visual_odometry_ == "off") {
       request_.configuration.visual.motion.model = visual_slam::MotionModelKind::kConstantVelocity;
@@ -161,6 +204,7 @@ class RunFlags {
  private:
   CLI::App* command_;
   ConfigurationFlags configuration_;
+  RecordingFlags recording_;
   RunRequest request_ = with_all_threads();
   std::string mode_ = "slam";
   std::optional<std::string> map_;
@@ -168,6 +212,7 @@ class RunFlags {
   std::optional<double> to_;
   std::vector<std::string> arrival_delay_;
   std::vector<std::string> stamp_offset_;
+  std::vector<std::string> sweep_duration_;
 
   static RunRequest with_all_threads() {
     RunRequest request;
@@ -220,6 +265,10 @@ class EvaluateFlags {
     command_->add_option("--align-as", align_as_, "EST REF: apply the transform fitted on this pair instead")
         ->expected(2);
     command_->add_option("--relations", relations_, "Relations file: the metric of Kuemmerle et al. 2009");
+    command_->add_flag("--fit-offset", request_.fit_offset,
+                       "The reference is of another body on the robot, by another clock (motion capture): fit one "
+                       "constant offset of each as well");
+    recording_.add_to(*command_);
     command_->add_flag("--json", request_.json, "Print JSON");
   }
 
@@ -233,6 +282,12 @@ class EvaluateFlags {
     if (!align_as_.empty() && align_ == "none") {
       return common::usage_error("--align none: with --align-as only se2 or sim2, which say how that pair is fitted");
     }
+    if (request_.fit_offset && (align_ != "se2" || !align_as_.empty())) {
+      return common::usage_error("--fit-offset: only with --align se2 and without --align-as");
+    }
+    auto recording = recording_.read();
+    if (!recording) return tl::unexpected(recording.error());
+    request_.recording_options = std::move(*recording);
     if (!reference_.empty()) request_.reference = reference_;
     if (!relations_.empty()) request_.relations = relations_;
     if (!align_as_.empty()) request_.align_as = {align_as_[0], align_as_[1]};
@@ -246,6 +301,7 @@ class EvaluateFlags {
  private:
   CLI::App* command_;
   EvaluateRequest request_;
+  RecordingFlags recording_;
   std::string reference_;
   std::string align_ = "se2";
   std::vector<std::string> align_as_;
@@ -257,13 +313,21 @@ class InfoFlags {
   explicit InfoFlags(CLI::App& app)
       : command_(app.add_subcommand("info", "What is in a recording or in a map bundle")) {
     command_->add_option("PATH", request_.path, "Recording or map bundle")->required();
+    recording_.add_to(*command_);
   }
   bool chosen() const { return command_->parsed(); }
-  Result<CommandRequest> request() const { return request_; }
+  Result<CommandRequest> request() const {
+    auto recording = recording_.read();
+    if (!recording) return tl::unexpected(recording.error());
+    InfoRequest request = request_;
+    request.recording_options = std::move(*recording);
+    return request;
+  }
 
  private:
   CLI::App* command_;
   InfoRequest request_;
+  RecordingFlags recording_;
 };
 
 class OptionsFlags {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/angle.hpp"
 #include "common/carmen_reference.hpp"
 #include "common/recording.hpp"
 #include "common/relations.hpp"
@@ -41,16 +42,16 @@ common::Pose2 laser_mounting_beside(const fs::path& reference) {
   return {};
 }
 
-/// Whether a path can only be a recording: a folder.
-bool is_folder(const fs::path& path) {
+/// Whether a path can only be a recording: a folder, or a bag.
+bool is_recording(const fs::path& path) {
   std::error_code error;
-  return fs::is_directory(path, error);
+  return fs::is_directory(path, error) || common::is_ros_bag(path);
 }
 
-common::Result<Reference> read_reference(const fs::path& path) {
+common::Result<Reference> read_reference(const fs::path& path, const common::RecordingOptions& recording_options) {
   Reference reference;
-  if (is_folder(path)) {
-    auto truth = common::read_ground_truth(path);
+  if (is_recording(path)) {
+    auto truth = common::read_ground_truth(path, recording_options);
     if (!truth) return tl::unexpected(truth.error());
     if (truth->empty()) return common::invalid_input(path.string() + ": a recording without ground truth");
     reference.trajectory = common::sorted_by_stamp(*truth);
@@ -77,10 +78,11 @@ common::Result<common::Trajectory2> read_estimate(const fs::path& path) {
 }
 
 common::Result<common::TrajectoryAccuracy> compare(const fs::path& estimate_path, const fs::path& reference_path,
-                                                   common::EvaluationOptions options) {
+                                                   common::EvaluationOptions options,
+                                                   const common::RecordingOptions& recording_options) {
   const auto estimate = read_estimate(estimate_path);
   if (!estimate) return tl::unexpected(estimate.error());
-  const auto reference = read_reference(reference_path);
+  const auto reference = read_reference(reference_path, recording_options);
   if (!reference) return tl::unexpected(reference.error());
   if (reference->equal_stamps_only) options.max_reference_gap = 0;
   return common::evaluate_trajectory(common::sensor_trajectory(*estimate, reference->T_base_body),
@@ -90,13 +92,14 @@ common::Result<common::TrajectoryAccuracy> compare(const fs::path& estimate_path
 common::Result<common::TrajectoryAccuracy> accuracy_of(const EvaluateRequest& request) {
   common::EvaluationOptions options;
   options.align = request.align;
+  options.fit_offset = request.fit_offset;
   if (request.align_as) {
-    const auto fitted = compare(request.align_as->first, request.align_as->second, options);
+    const auto fitted = compare(request.align_as->first, request.align_as->second, options, request.recording_options);
     if (!fitted) return tl::unexpected(fitted.error());
     options.align = common::EvaluationAlignment::kAs;
     options.T_reference_estimate = fitted->T_reference_estimate;
   }
-  return compare(request.estimate, *request.reference, options);
+  return compare(request.estimate, *request.reference, options, request.recording_options);
 }
 
 common::Result<common::RelationAccuracy> relations_of(const EvaluateRequest& request) {
@@ -105,6 +108,15 @@ common::Result<common::RelationAccuracy> relations_of(const EvaluateRequest& req
   const auto relations = common::read_relations(*request.relations);
   if (!relations) return tl::unexpected(relations.error());
   return common::evaluate_relations(*estimate, *relations);
+}
+
+/// The fitted offsets, where some were.
+std::string offset_rows(const common::TrajectoryAccuracy& accuracy) {
+  const common::Pose2& body = accuracy.T_base_body;
+  return fmt::format(
+      "tracked body   at ({:.4f}, {:.4f}) m, {:.3f} deg in base_link\n"
+      "clocks         {:+.4f} s from estimate to reference\n",
+      body.x, body.y, common::to_degrees(body.theta), common::to_seconds(accuracy.clock_offset));
 }
 
 std::string table(const common::TrajectoryAccuracy& accuracy) {
@@ -153,6 +165,11 @@ common::Result<std::string> run_evaluate(const EvaluateRequest& request) {
     if (!accuracy) return tl::unexpected(accuracy.error());
     text += table(*accuracy);
     json = accuracy_metrics(*accuracy);
+    if (request.fit_offset) {
+      text += offset_rows(*accuracy);
+      json["tracked_body"] = {accuracy->T_base_body.x, accuracy->T_base_body.y, accuracy->T_base_body.theta};
+      json["clock_offset_s"] = common::to_seconds(accuracy->clock_offset);
+    }
   }
   if (request.relations) {
     const auto relations = relations_of(request);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/recording.hpp"
 #include "common/trajectory_evaluation.hpp"
 
 namespace slamfuse::service {
@@ -19,6 +20,8 @@ struct EvaluateRequest {
   /// Estimate and reference whose fitted transform is applied instead.
   std::optional<std::pair<std::filesystem::path, std::filesystem::path>> align_as;
   std::optional<std::filesystem::path> relations;
+  bool fit_offset = false;                     ///< the reference is of another body by another clock
+  common::RecordingOptions recording_options;  ///< of a reference that is a recording
   bool json = false;
 };
 

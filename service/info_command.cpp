@@ -38,8 +38,9 @@ std::string calibration_rows(const common::Calibration& calibration) {
   std::string text;
   for (const auto& [name, laser] : calibration.lasers) {
     const auto& p = laser.T_base_laser.translation;
-    text += fmt::format("  {:<10} at ({:.3f}, {:.3f}, {:.3f}) m, {} beams, {:.2f} .. {:.2f} m\n", name, p.x(), p.y(),
-                        p.z(), laser.beams, laser.range_min, laser.range_max);
+    text += fmt::format("  {:<10} at ({:.3f}, {:.3f}, {:.3f}) m, {} beams, {:.2f} .. {:.2f} m, sweep {}\n", name, p.x(),
+                        p.y(), p.z(), laser.beams, laser.range_min, laser.range_max,
+                        laser.sweep_duration > 0.0 ? fmt::format("{:.4f} s", laser.sweep_duration) : "not told");
   }
   for (const auto& [name, camera] : calibration.cameras) {
     const auto& p = camera.T_base_camera.translation;
@@ -49,8 +50,8 @@ std::string calibration_rows(const common::Calibration& calibration) {
   return text;
 }
 
-common::Result<std::string> describe_recording(const fs::path& path) {
-  const auto recording = common::open_recording(path);
+common::Result<std::string> describe_recording(const fs::path& path, const common::RecordingOptions& options) {
+  const auto recording = common::open_recording(path, options);
   if (!recording) return tl::unexpected(recording.error());
   const common::RecordingInfo& info = (*recording)->info();
   std::string text =
@@ -59,7 +60,8 @@ common::Result<std::string> describe_recording(const fs::path& path) {
                   info.stamp_ordered ? "in the order of the stamps" : "in file order, stamps may step back");
   for (const auto& [name, sensor] : info.sensors) text += sensor_row(name, sensor);
   text += calibration_rows(info.calibration);
-  const auto truth = common::read_ground_truth(path);
+  for (const auto& note : info.notes) text += "  " + note + "\n";
+  const auto truth = common::read_ground_truth(path, options);
   const bool has_truth = truth && !truth->empty();
   return text + (has_truth ? fmt::format("  ground truth: {} poses\n", truth->size()) : "  no ground truth\n");
 }
@@ -84,7 +86,8 @@ common::Result<std::string> describe_map(const fs::path& path) {
 }  // namespace
 
 common::Result<std::string> run_info(const InfoRequest& request) {
-  return is_map_bundle(request.path) ? describe_map(request.path) : describe_recording(request.path);
+  return is_map_bundle(request.path) ? describe_map(request.path)
+                                     : describe_recording(request.path, request.recording_options);
 }
 
 }  // namespace slamfuse::service

@@ -5,12 +5,14 @@
 #include <string>
 
 #include "common/error.hpp"
+#include "common/recording.hpp"
 
 namespace slamfuse::service {
 
 /// What `slamfuse info` was asked for.
 struct InfoRequest {
   std::filesystem::path path;
+  common::RecordingOptions recording_options;
 };
 
 /// Says in words what is in a recording or in a map bundle (which is checked file by file). Errors (kInvalidInput):

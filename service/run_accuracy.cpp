@@ -28,9 +28,8 @@ common::Trajectory2 clock_ticks(common::Nanoseconds first, common::Nanoseconds l
 
 }  // namespace
 
-common::Result<void> judge(const std::filesystem::path& recording, const std::set<std::string>& free_scale,
-                           RunSummary& summary) {
-  const auto truth = common::read_ground_truth(recording);
+common::Result<void> judge(const RunRequest& request, const std::set<std::string>& free_scale, RunSummary& summary) {
+  const auto truth = common::read_ground_truth(request.recording, request.recording_options);
   if (!truth) return tl::unexpected(truth.error());
   summary.truth = between(common::sorted_by_stamp(*truth), summary.first_stamp, summary.last_stamp);
 

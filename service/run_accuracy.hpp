@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
 #include <set>
 #include <string>
 
 #include "common/error.hpp"
+#include "service/run_request.hpp"
 #include "service/run_summary.hpp"
 
 namespace slamfuse::service {
@@ -16,7 +16,6 @@ namespace slamfuse::service {
 /// estimator.
 ///
 /// Errors (kInvalidInput): ground truth that cannot be read.
-common::Result<void> judge(const std::filesystem::path& recording, const std::set<std::string>& free_scale,
-                           RunSummary& summary);
+common::Result<void> judge(const RunRequest& request, const std::set<std::string>& free_scale, RunSummary& summary);
 
 }  // namespace slamfuse::service

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/recording.hpp"
 #include "service/configuration.hpp"
 
 namespace slamfuse::service {
@@ -21,6 +22,7 @@ enum class RunMode {
 /// What `slamfuse run` was asked for.
 struct RunRequest {
   std::filesystem::path recording;
+  common::RecordingOptions recording_options;
   std::filesystem::path out;
   Configuration configuration;
   RunMode mode = RunMode::kSlam;
@@ -29,8 +31,9 @@ struct RunRequest {
   std::vector<std::string> cameras;          ///< sensor names; empty: all
   double from = 0.0;                         ///< [s] from the recording's start
   std::optional<double> to;                  ///< [s] from the recording's start
-  std::map<std::string, double> arrival_delay;  ///< [s] by sensor name
-  std::map<std::string, double> stamp_offset;   ///< [s] by sensor name
+  std::map<std::string, double> arrival_delay;   ///< [s] by sensor name
+  std::map<std::string, double> stamp_offset;    ///< [s] by sensor name
+  std::map<std::string, double> sweep_duration;  ///< [s] by laser, see common::ReplayOptions
   int threads = 1;
   std::uint64_t seed = 1;
   bool dds = false;

@@ -85,12 +85,20 @@ common::ReplayOptions replay_options_of(const RunRequest& request, const common:
   options.to = request.to;
   options.arrival_delay = request.arrival_delay;
   options.stamp_offset = request.stamp_offset;
+  options.sweep_duration = request.sweep_duration;
   return options;
 }
 
 /// More threads than processors only cost the modules memory.
 int useful_threads(const RunRequest& request) {
   return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, request.threads);
+}
+
+/// What was assumed of the recording stands before all that happened.
+void tell_notes(const common::RecordingInfo& info, std::vector<common::Event>& events) {
+  std::vector<common::Event> notes;
+  for (const auto& note : info.notes) notes.push_back({info.first_stamp, "recording", "note", note});
+  events.insert(events.begin(), notes.begin(), notes.end());
 }
 
 double peak_rss_mb() {
@@ -103,7 +111,7 @@ double peak_rss_mb() {
 
 common::Result<RunSession> RunSession::create(const RunRequest& request) {
   RunSession session(request);
-  auto recording = common::open_recording(request.recording);
+  auto recording = common::open_recording(request.recording, request.recording_options);
   if (!recording) return tl::unexpected(recording.error());
   const auto replay_options = replay_options_of(request, (*recording)->info());
   auto replayed = common::replay(std::move(*recording), replay_options);
@@ -216,13 +224,14 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   summary.incomplete = outcome->interrupted;
   summary.counters = outcome->counters;
   summary.log = recorder.log();
+  tell_notes(recording(), summary.log.events);
   summary.first_stamp = span.first();
   summary.last_stamp = span.last();
   summary.duration_s = common::to_seconds(span.last() - span.first());
   gather(summary);
   summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary.peak_rss_mb = peak_rss_mb();
-  if (auto judged = judge(request_.recording, free_scale(), summary); !judged) return tl::unexpected(judged.error());
+  if (auto judged = judge(request_, free_scale(), summary); !judged) return tl::unexpected(judged.error());
   return summary;
 }
 

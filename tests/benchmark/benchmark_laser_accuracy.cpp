@@ -4,7 +4,7 @@
 // NAME.clf.bz2.
 //
 //   benchmark_laser_accuracy [--seeds N] [--threads N] [--set laser.key=value]... [--pictures DIR] [--pixel M]
-//                            RECORDING...
+//                            [--fit-offset] [--topic SENSOR=TOPIC]... [--sweep-duration SENSOR=S]... RECORDING...
 
 #include <ctime>
 
@@ -12,9 +12,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -28,6 +32,7 @@
 #include "common/config.hpp"
 #include "common/recording.hpp"
 #include "common/relations.hpp"
+#include "common/replay.hpp"
 #include "common/trajectory_evaluation.hpp"
 #include "common/tum.hpp"
 #include "laser_slam/laser_slam.hpp"
@@ -44,6 +49,9 @@ struct Arguments {
   std::vector<std::string> settings;
   std::string pictures;
   double pixel = 0.05;
+  bool fit_offset = false;
+  std::vector<std::string> topics;           // SENSOR=TOPIC
+  std::vector<std::string> sweep_durations;  // SENSOR=SECONDS
   std::vector<std::string> recordings;
 };
 
@@ -56,6 +64,7 @@ struct Input {
   common::Trajectory2 truth;      // of base_link
   common::Trajectory2 reference;  // of the laser, at equal stamps
   std::vector<common::PoseRelation> relations;
+  bool fit_offset = false;
 };
 
 struct Run {
@@ -91,13 +100,32 @@ fs::path beside(const fs::path& recording, const std::string& ending) {
   return recording.parent_path() / (file.substr(0, file.find('.')) + ending);
 }
 
-common::Result<Input> load(const fs::path& path) {
-  auto recording = common::open_recording(path);
+/// "NAME=VALUE" texts as a map; a text without '=' names nothing.
+std::map<std::string, std::string> by_name(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> values;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    values[text.substr(0, equals)] = equals == std::string::npos ? "" : text.substr(equals + 1);
+  }
+  return values;
+}
+
+common::Result<Input> load(const fs::path& path, const Arguments& arguments) {
+  common::RecordingOptions options;
+  options.topics = by_name(arguments.topics);
+  common::ReplayOptions replay_options;
+  for (const auto& [sensor, seconds] : by_name(arguments.sweep_durations)) {
+    replay_options.sweep_duration[sensor] = std::strtod(seconds.c_str(), nullptr);
+  }
+  auto opened = common::open_recording(path, options);
+  if (!opened) return tl::unexpected(opened.error());
+  auto recording = common::replay(std::move(*opened), replay_options);
   if (!recording) return tl::unexpected(recording.error());
   const common::RecordingInfo& info = (*recording)->info();
   if (info.calibration.lasers.empty()) return common::invalid_input(path.string() + ": no laser");
   Input input;
   input.name = path.filename().string();
+  input.fit_offset = arguments.fit_offset;
   input.laser = info.calibration.lasers.begin()->first;
   input.calibration = info.calibration.lasers.begin()->second;
   while (true) {
@@ -107,7 +135,7 @@ common::Result<Input> load(const fs::path& path) {
     auto* message = std::get_if<common::SensorMessage>(&**item);
     if (message && !std::holds_alternative<common::Image>(*message)) input.messages.push_back(std::move(*message));
   }
-  if (auto truth = common::read_ground_truth(path)) input.truth = std::move(*truth);
+  if (auto truth = common::read_ground_truth(path, options)) input.truth = std::move(*truth);
   if (const fs::path file = beside(path, ".reference.txt"); fs::exists(file)) {
     auto reference = common::read_carmen_reference(file);
     if (!reference) return tl::unexpected(reference.error());
@@ -145,8 +173,10 @@ common::Result<Run> run(const Input& input, const laser_slam::LaserSlamOptions& 
   return result;
 }
 
-std::string ate(const Input& input, const common::Trajectory2& path) {
+/// Root mean square of the position errors [m]; nothing without truth.
+std::optional<common::TrajectoryAccuracy> accuracy_of(const Input& input, const common::Trajectory2& path) {
   common::EvaluationOptions options;
+  options.fit_offset = input.fit_offset;
   auto reference = &input.truth;
   common::Trajectory2 estimate = path;
   if (!input.reference.empty()) {
@@ -154,9 +184,45 @@ std::string ate(const Input& input, const common::Trajectory2& path) {
     reference = &input.reference;
     estimate = common::sensor_trajectory(path, common::to_pose2(input.calibration.T_base_laser));
   }
-  if (reference->empty()) return "-";
-  const auto accuracy = common::evaluate_trajectory(estimate, *reference, options);
+  if (reference->empty()) return std::nullopt;
+  auto accuracy = common::evaluate_trajectory(estimate, *reference, options);
+  return accuracy ? std::optional(std::move(*accuracy)) : std::nullopt;
+}
+
+std::string ate(const std::optional<common::TrajectoryAccuracy>& accuracy) {
   return accuracy ? fmt::format("{:.4f}", accuracy->ate_rmse_m) : "-";
+}
+
+/// The errors of one path over the seeds.
+class Spread {
+ public:
+  void add(const std::optional<common::TrajectoryAccuracy>& accuracy) {
+    if (accuracy) errors_.push_back(accuracy->ate_rmse_m);
+  }
+  /// "median (worst)".
+  std::string text() {
+    if (errors_.empty()) return "-";
+    std::sort(errors_.begin(), errors_.end());
+    const std::size_t half = errors_.size() / 2;
+    const double median = errors_.size() % 2 == 1 ? errors_[half] : 0.5 * (errors_[half - 1] + errors_[half]);
+    return fmt::format("{:.4f} ({:.4f})", median, errors_.back());
+  }
+
+ private:
+  std::vector<double> errors_;
+};
+
+/// Mean share of a scan's beams that agree with the map: tells which of two settings fits better where there is no
+/// truth.
+double mean_agreement(const Run& run) {
+  double sum = 0.0;
+  int count = 0;
+  for (const common::PoseEstimate& estimate : run.estimates) {
+    if (!estimate.health.scan_likelihood) continue;
+    sum += *estimate.health.scan_likelihood;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0.0;
 }
 
 std::string relation_errors(const Input& input, const common::Trajectory2& path) {
@@ -179,14 +245,16 @@ double degenerate_percent(const Run& run) {
 /// where they promise too much. The frames are aligned first, so a common error does not count.
 std::string consistency(const Input& input, const Run& run) {
   if (input.truth.empty() || !input.reference.empty()) return "-";
-  const auto accuracy = common::evaluate_trajectory(run.online, input.truth, {});
+  const auto accuracy = accuracy_of(input, run.online);
   if (!accuracy) return "-";
+  const common::Pose2 T_body_base = accuracy->T_base_body.inverse();
   double sum = 0.0;
   int count = 0;
   for (const common::PoseEstimate& estimate : run.estimates) {
-    const auto truth = common::pose_at(input.truth, estimate.stamp, common::kNanosecondsPerSecond / 10);
+    const auto truth =
+        common::pose_at(input.truth, estimate.stamp + accuracy->clock_offset, common::kNanosecondsPerSecond / 10);
     if (!truth) continue;
-    const common::Pose2 expected = accuracy->T_reference_estimate.inverse() * *truth;
+    const common::Pose2 expected = accuracy->T_reference_estimate.inverse() * *truth * T_body_base;
     const Eigen::Vector3d error(estimate.pose.x - expected.x, estimate.pose.y - expected.y,
                                 common::angle_difference(estimate.pose.theta, expected.theta));
     sum += error.dot(estimate.covariance.inverse() * error);
@@ -235,14 +303,16 @@ int benchmark(const Arguments& arguments) {
   fmt::print(
       "| recording | seed | ATE online m | ATE final m | relations online m / deg / distant m | relations final | "
       "loops | "
-      "other events | degenerate % | NEES/3 | CPU s | peak MB |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "other events | degenerate % | agreement | NEES/3 | CPU s | peak MB |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& path : arguments.recordings) {
-    const auto input = load(path);
+    const auto input = load(path, arguments);
     if (!input) {
       fmt::print(stderr, "{}\n", input.error().message);
       return 3;
     }
+    Spread online_errors;
+    Spread final_errors;
     for (int seed = arguments.first_seed; seed < arguments.first_seed + arguments.seeds; ++seed) {
       const auto result = run(*input, options, static_cast<std::uint64_t>(seed), arguments.threads);
       if (!result) {
@@ -251,12 +321,21 @@ int benchmark(const Arguments& arguments) {
       }
       const auto loops = std::count_if(result->events.begin(), result->events.end(),
                                        [](const common::Event& event) { return event.kind == "loop_closed"; });
-      fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.1f} | {} | {:.1f} | {:.0f} |\n", input->name, seed,
-                 ate(*input, result->online), ate(*input, result->final_path), relation_errors(*input, result->online),
+      const auto online = accuracy_of(*input, result->online);
+      const auto final_path = accuracy_of(*input, result->final_path);
+      online_errors.add(online);
+      final_errors.add(final_path);
+      fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.1f} | {:.4f} | {} | {:.1f} | {:.0f} |\n", input->name,
+                 seed, ate(online), ate(final_path), relation_errors(*input, result->online),
                  relation_errors(*input, result->final_path), loops,
                  result->events.size() - static_cast<std::size_t>(loops), degenerate_percent(*result),
-                 consistency(*input, *result), result->cpu_seconds, result->peak_mb);
+                 mean_agreement(*result), consistency(*input, *result), result->cpu_seconds, result->peak_mb);
       std::fflush(stdout);
+      if (input->fit_offset && final_path) {
+        fmt::print(stderr, "{} seed {}: tracked body at ({:.4f}, {:.4f}) m, {:.2f} deg; clock {:+.4f} s\n", input->name,
+                   seed, final_path->T_base_body.x, final_path->T_base_body.y,
+                   common::to_degrees(final_path->T_base_body.theta), common::to_seconds(final_path->clock_offset));
+      }
       if (arguments.pictures.empty()) continue;
       const fs::path stem = fs::path(arguments.pictures) / fmt::format("{}-{}", input->name, seed);
       draw(*result, stem.string() + ".png", arguments.pixel);
@@ -267,6 +346,8 @@ int benchmark(const Arguments& arguments) {
         fmt::print(stderr, "{} {} {}\n", common::format_seconds(event.stamp), event.kind, event.detail);
       }
     }
+    fmt::print("| {} | median (worst) | {} | {} | | | | | | | | | |\n", input->name, online_errors.text(),
+               final_errors.text());
   }
   return 0;
 }
@@ -283,6 +364,11 @@ int main(int argc, char** argv) {
   app.add_option("--set", arguments.settings, "laser.key=value")->allow_extra_args(false);
   app.add_option("--pictures", arguments.pictures, "folder for maps and paths");
   app.add_option("--pixel", arguments.pixel, "side of a picture's pixel [m]");
+  app.add_flag("--fit-offset", arguments.fit_offset,
+               "the truth is of another body by another clock: fit both constant offsets");
+  app.add_option("--topic", arguments.topics, "SENSOR=TOPIC, of a ROS bag")->allow_extra_args(false);
+  app.add_option("--sweep-duration", arguments.sweep_durations, "SENSOR=SECONDS, negative: last beam first")
+      ->allow_extra_args(false);
   app.add_option("recordings", arguments.recordings, "recordings")->required();
   CLI11_PARSE(app, argc, argv);
   return slamfuse::benchmark(arguments);
