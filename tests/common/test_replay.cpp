@@ -24,12 +24,16 @@ class MadeUpRecording final : public Recording {
   MadeUpRecording() {
     info_.sensors["odom0"] = {SensorKind::kOdometry, 10, ms(0), ms(900)};
     info_.sensors["laser0"] = {SensorKind::kLaser, 5, ms(50), ms(850)};
+    LaserCalibration& laser = info_.calibration.lasers["laser0"];
+    laser.angle_min = -1.0;
+    laser.angle_increment = 0.5;
+    laser.beams = 3;
     info_.first_stamp = ms(0);
     info_.last_stamp = ms(900);
     for (int t = 0; t < 1000; t += 50) {
       if (t % 100 == 0) items_.emplace_back(WheelOdometry{ms(t), "odom0", {}, 0, 0});
       if (t == 450) items_.emplace_back(RejectedMessage{ms(t), "laser0", "made up"});
-      if (t % 200 == 50 && t != 450) items_.emplace_back(LaserScan{ms(t), "laser0", {}});
+      if (t % 200 == 50 && t != 450) items_.emplace_back(LaserScan{ms(t), "laser0", {1.0F, 2.0F, 3.0F}});
     }
   }
   static Nanoseconds ms(int t) { return kSampleStart + Nanoseconds{t} * 1'000'000; }
@@ -143,6 +147,32 @@ TEST(Replay, RefusesTimesThatMakeNoSense) {
     ASSERT_FALSE(recording) << i;
     EXPECT_EQ(recording.error().kind, ErrorKind::kUsage) << i;
   }
+}
+
+TEST(Replay, SetsHowLongASweepTakesAndWhichBeamIsFirst) {
+  ReplayOptions options;
+  options.sweep_duration["laser0"] = 0.1;
+  options.only_sensors = {"laser0"};
+  const auto forward = replay(std::make_unique<MadeUpRecording>(), options);
+  ASSERT_TRUE(forward);
+  EXPECT_EQ((*forward)->info().calibration.lasers.at("laser0").sweep_duration, 0.1);
+  EXPECT_EQ((*forward)->info().calibration.lasers.at("laser0").angle_min, -1.0);
+
+  options.sweep_duration["laser0"] = -0.1;
+  const auto backward = replay(std::make_unique<MadeUpRecording>(), options);
+  ASSERT_TRUE(backward);
+  const LaserCalibration& laser = (*backward)->info().calibration.lasers.at("laser0");
+  EXPECT_EQ(laser.sweep_duration, 0.1);
+  EXPECT_EQ(laser.angle_min, 0.0);
+  EXPECT_EQ(laser.angle_increment, -0.5);
+  const auto item = (*backward)->next();
+  ASSERT_TRUE(item && *item);
+  EXPECT_THAT(std::get<LaserScan>(std::get<SensorMessage>(**item)).ranges, ElementsAre(3.0F, 2.0F, 1.0F));
+
+  options.sweep_duration = {{"odom0", 0.1}};
+  EXPECT_THAT(replay(std::make_unique<MadeUpRecording>(), options).error().message, HasSubstr("odom0 is no laser"));
+  options.sweep_duration = {{"laser0", -61.0}};
+  EXPECT_THAT(replay(std::make_unique<MadeUpRecording>(), options).error().message, HasSubstr("--sweep-duration"));
 }
 
 }  // namespace

@@ -218,5 +218,55 @@ TEST(EvaluateTrajectory, RefusesToAlignARobotThatStandsStill) {
   EXPECT_EQ(unaligned->ate_rmse_m, 0.0);
 }
 
+TEST(EvaluateTrajectory, FitsTheOffsetOfAnotherBodyAndItsClock) {
+  const Trajectory2 truth = circle(20);
+  const Pose2 T_base_body{0.3, -0.1, 0.2};
+  Trajectory2 tracked;
+  for (const StampedPose2& pose : truth) tracked.push_back({pose.stamp, pose.pose * T_base_body});
+  Trajectory2 estimate = estimate_of(truth, {1.0, {100, -30, 2.5}});
+  for (StampedPose2& pose : estimate) pose.stamp += 70 * kMillisecond;
+  EvaluationOptions options;
+
+  const auto without = evaluate_trajectory(estimate, tracked, options);
+  options.fit_offset = true;
+  const auto fitted = evaluate_trajectory(estimate, tracked, options);
+
+  ASSERT_TRUE(without && fitted);
+  // On a circle a moved clock is a turned frame, so only the offset's size and the errors are determined.
+  EXPECT_NEAR(fitted->ate_rmse_m, 0.0, 1e-3);
+  EXPECT_NEAR(fitted->heading_rmse_deg, 0.0, 0.1);
+  EXPECT_LT(fitted->ate_rmse_m, without->ate_rmse_m + 1e-9);
+
+  options.align = EvaluationAlignment::kSim2;
+  const auto refused = evaluate_trajectory(estimate, tracked, options);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
+}
+
+TEST(EvaluateTrajectory, FindsOffsetAndClockOnAPathThatTellsThem) {
+  // Ahead with changing speed, and turning both ways.
+  Trajectory2 truth;
+  for (int i = 0; i <= 1000; ++i) {
+    const double t = 0.02 * i;
+    truth.push_back({kStart + i * kStep, {t + 0.5 * std::sin(t), 2.0 * std::sin(0.7 * t), std::sin(0.9 * t)}});
+  }
+  const Pose2 T_base_body{0.05, -0.02, 0.1};
+  Trajectory2 tracked;
+  for (const StampedPose2& pose : truth) tracked.push_back({pose.stamp, pose.pose * T_base_body});
+  Trajectory2 estimate = estimate_of(truth, {1.0, {3, 4, -1.0}});
+  for (StampedPose2& pose : estimate) pose.stamp += 50 * kMillisecond;
+  EvaluationOptions options;
+  options.fit_offset = true;
+
+  const auto fitted = evaluate_trajectory(estimate, tracked, options);
+
+  ASSERT_TRUE(fitted) << fitted.error().message;
+  EXPECT_NEAR(to_seconds(fitted->clock_offset), -0.05, 0.002);
+  EXPECT_NEAR(fitted->T_base_body.x, 0.05, 1e-3);
+  EXPECT_NEAR(fitted->T_base_body.y, -0.02, 1e-3);
+  EXPECT_NEAR(fitted->T_base_body.theta, 0.1, 1e-3);
+  EXPECT_LT(fitted->ate_rmse_m, 1e-3);
+}
+
 }  // namespace
 }  // namespace slamfuse::common

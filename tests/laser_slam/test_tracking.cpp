@@ -132,5 +132,24 @@ TEST(MotionPredictor, ForgetsItsSpeedOverALongGap) {
   EXPECT_EQ(predictor.predict(5 * kSecond).increment.x, 0.0);
 }
 
+TEST(MotionPredictor, SettlesOnTheSpeedWhereSweepsFillTheTimeBetweenScans) {
+  // A match fixes the middle of a sweep: an error of the speed the sweep is undone with moves the first beam's pose.
+  MotionPredictor predictor{MotionModelOptions{}};
+  constexpr double kSpeed = 0.4;
+  constexpr common::Nanoseconds kStep = kSecond / 10;
+  predictor.begin_sweep(0, kStep);
+  predictor.start(0);
+  double first_beam = 0.0;
+  for (int scan = 1; scan <= 20; ++scan) {
+    const common::Nanoseconds stamp = scan * kStep;
+    const double assumed = predictor.begin_sweep(stamp, kStep).x();
+    const double middle = kSpeed * common::to_seconds(stamp + kStep / 2);
+    const double here = middle - assumed * common::to_seconds(kStep / 2);
+    predictor.finish(stamp, predictor.predict(stamp), {here - first_beam, 0.0, 0.0});
+    first_beam = here;
+  }
+  EXPECT_NEAR(predictor.begin_sweep(21 * kStep, kStep).x(), kSpeed, 1e-6);
+}
+
 }  // namespace
 }  // namespace slamfuse::laser_slam
