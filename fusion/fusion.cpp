@@ -261,6 +261,8 @@ void Fusion::State::publish(FusionOutput& output) {
     limiter.restart();
     return;
   }
+  // Without odometry nothing tells the robot's own motion from a correction, and none may be held back.
+  if (odometry.empty()) limiter.restart();
   const UncertainPose pose = limiter.follow(now, filter.state(), filter.T_odom_base());
   CorrectedPose corrected;
   corrected.estimate.stamp = now;
