@@ -43,7 +43,8 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
     // The likelihood decides, not the agreement: it also counts how much of the scan meets the map at all. Odometry too
     // fast to be true that leads out of the map has nothing to speak for it.
     const bool astray = prediction.suspicious && tracked.match.fit.known < enough;
-    double to_beat = astray ? -HUGE_VAL : tracked.match.fit.log_likelihood + matching_.rematch_gain * beams;
+    double to_beat =
+        astray ? -HUGE_VAL : tracked.match.fit.log_likelihood + matching_.rematch_evidence / matcher_.gain();
     const auto consider = [&](const ScanMatch& other) {
       if (other.fit.log_likelihood <= to_beat || (astray && other.fit.known < enough)) return;
       const common::Pose2 apart = prior.mean.inverse() * other.pose;

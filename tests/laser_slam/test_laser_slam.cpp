@@ -258,6 +258,15 @@ TEST(LaserSlam, WorksWithAnyFieldOfViewAndNumberOfBeams) {
   }
 }
 
+TEST(LaserSlam, StaysWithGoodOdometryWhenItsLaserIsSparse) {
+  for (const int beams : {16, 32, 45, 64, 90}) {
+    DriveSettings settings;
+    settings.options = few_particles();
+    settings.laser = testing::full_circle_laser(beams);
+    EXPECT_LT(drive(circle(60), settings).worst_error(), 0.08) << beams << " beams";
+  }
+}
+
 TEST(LaserSlam, GivesAPoseForEveryScanOfTwoBeams) {
   DriveSettings settings;
   settings.options = few_particles();
