@@ -52,7 +52,9 @@ std::vector<BagSample> beginning_of_flat_as_messages(Wire wire) {
                                           odometry->forward_speed, odometry->turn_rate)});
     }
   }
-  for (const auto& truth : *common::read_ground_truth(flat())) {
+  const auto true_path = common::read_ground_truth(flat());
+  EXPECT_TRUE(true_path) << true_path.error().message;
+  for (const auto& truth : *true_path) {
     if (truth.stamp > begin + kLength) break;
     samples.push_back({"/mocap/pose", "geometry_msgs/PoseStamped", truth.stamp,
                        pose_message(wire, truth.stamp, common::to_pose3(truth.pose))});
@@ -145,7 +147,8 @@ TEST(Bags, OfTheNeatoRun) {
     ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
     const auto metrics = read_json(scratch / "out/metrics.json");
     EXPECT_EQ(metrics["modules"]["laser"]["poses"], 357) << topic;
-    EXPECT_GT(metrics["modules"]["laser"]["coverage"], 0.99) << topic;
+    // The first transforms of /tf are 5 s old when they arrive, and the recording's time counts from there.
+    EXPECT_GT(metrics["modules"]["laser"]["coverage"], 0.9) << topic;
   }
 }
 
