@@ -80,6 +80,15 @@ class LaserLocalization::Impl {
   const common::OccupancyGrid& grid() const { return grid_; }
   common::Trajectory2 final_trajectory() const { return path_.trajectory(); }
 
+  std::vector<Hypothesis> hypotheses() const {
+    std::vector<Hypothesis> result = known_;
+    for (Hypothesis& hypothesis : result) {
+      hypothesis.mean = hypothesis.mean * moved_;
+      hypothesis.best = hypothesis.best * moved_;
+    }
+    return result;
+  }
+
   void add(const common::WheelOdometry& odometry) { predictor_.add(odometry); }
 
   common::ProcessResult add(const common::LaserScan& scan) {
@@ -255,7 +264,10 @@ class LaserLocalization::Impl {
     const bool first = filter_.empty();
     const double reference = first ? candidates.front().log_likelihood : model_.log_likelihood(points, located.pose);
     // After a long gap the robot may be anywhere as well as where it was.
-    const double prior = first || motion.seconds > local_.longest_gap ? 1.0 : local_.newcomer_prior;
+    const bool doubtful = located.agreement < local_.monitor.good_agreement;
+    const double prior = first || motion.seconds > local_.longest_gap ? 1.0
+                         : doubtful                                   ? local_.newcomer_prior
+                                                                      : 0.5 * (1.0 - local_.monitor.sure_mass);
     const double least = std::log(std::max(local_.filter.least_mass, 1e-300));
     std::vector<std::pair<Pose2, double>> newcomers;  // and their likelihood's logarithm relative to the reference
     double as_likely = 0.0;                           // how many fit as well as it
@@ -427,6 +439,7 @@ void LaserLocalization::execute(const common::Command& command) {
   impl_->relocalise();
 }
 
+std::vector<Hypothesis> LaserLocalization::hypotheses() const { return impl_->hypotheses(); }
 common::Trajectory2 LaserLocalization::final_trajectory() const { return impl_->final_trajectory(); }
 const common::OccupancyGrid& LaserLocalization::grid() const { return impl_->grid(); }
 

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/calibration.hpp"
 #include "common/error.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/slam_module.hpp"
+#include "laser_slam/hypothesis_filter.hpp"
 #include "laser_slam/laser_slam_options.hpp"
 
 namespace slamfuse::laser_slam {
@@ -51,6 +53,9 @@ class LaserLocalization : public common::SlamModule {
   /// hypothesis that turned out right was first held; poses that were never found, and those of earlier epochs, are
   /// left out.
   common::Trajectory2 final_trajectory() const override;
+
+  /// Where the robot may be, at the last scan; most probable first.
+  std::vector<Hypothesis> hypotheses() const;
 
   /// The map as it was given.
   const common::OccupancyGrid& grid() const;
