@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "laser_slam/scan_explanation.hpp"
+
 namespace slamfuse::laser_slam {
 
-BeamModel::BeamModel(const LikelihoodField& field, const BeamModelOptions& options, double slack) : field_(&field) {
+BeamModel::BeamModel(const LikelihoodField& field, const BeamModelOptions& options, double slack)
+    : field_(&field), through_wall_(std::log(options.random_likelihood / (1.0 + options.random_likelihood))) {
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const auto code = static_cast<LikelihoodField::Code>(i);
     const double distance = std::max(0.0, field.distance_of(code) - slack) / options.hit_sigma;
@@ -29,6 +32,18 @@ double BeamModel::log_likelihood(const std::vector<Eigen::Vector2d>& points, con
     const auto column = static_cast<int>(x + cosine * point.x() - sine * point.y());
     const auto row = static_cast<int>(y + sine * point.x() + cosine * point.y());
     sum += static_cast<double>(table_[field_->code(column, row)]);
+  }
+  return sum;
+}
+
+double BeamModel::traced_log_likelihood(const std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& mount,
+                                        const common::Pose2& pose) const {
+  const Eigen::Vector2d laser = pose * mount;
+  double sum = 0.0;
+  for (const Eigen::Vector2d& point : points) {
+    const Eigen::Vector2d end = pose * point;
+    const auto at_end = static_cast<double>(table_[field_->code_at(end)]);
+    sum += passes_wall(*field_, laser, end) ? std::min(at_end, through_wall_) : at_end;
   }
   return sum;
 }

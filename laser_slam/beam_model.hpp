@@ -20,7 +20,9 @@ namespace slamfuse::laser_slam {
 ///                                             e = random_likelihood where it ends where nothing is known
 ///
 /// Deviation: the field alone knows no ray, so "short" is told by where the beam ends instead of by its length. A beam
-/// that meets a person ends in free space and costs little; one that leaves the map through a wall costs more.
+/// that meets a person ends in free space and costs little; one that leaves the map costs more. What a beam passes on
+/// its way is looked at only by traced_log_likelihood(), which costs ten times as much: for the particles, which are
+/// many and close together, the ends are enough, between places that look alike the walls in between decide.
 class BeamModel {
  public:
   /// `slack` [m]: distances count less by this, which bounds the likelihood of all poses whose beams end that close.
@@ -30,10 +32,15 @@ class BeamModel {
   float log_likelihood(LikelihoodField::Code code) const { return table_[code]; }
   /// Sum over the beam ends, given in base_link, at a pose.
   double log_likelihood(const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose) const;
+  /// The same, but a beam that went through a wall on its way from the laser at `mount` (base_link) is one that ends
+  /// where nothing is known at best: e = random_likelihood, d infinite.
+  double traced_log_likelihood(const std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& mount,
+                               const common::Pose2& pose) const;
 
  private:
   const LikelihoodField* field_;
   std::array<float, 256> table_;
+  double through_wall_;  // log-likelihood
 };
 
 }  // namespace slamfuse::laser_slam

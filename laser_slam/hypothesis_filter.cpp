@@ -33,7 +33,7 @@ double HypothesisFilter::gain(std::size_t beams) const {
 
 void HypothesisFilter::clear() { groups_.clear(); }
 
-void HypothesisFilter::add(const common::Pose2& mean, const Eigen::Matrix3d& covariance, double log_mass) {
+void HypothesisFilter::add(const common::Pose2& mean, const Eigen::Matrix3d& covariance, double log_mass, int most) {
   Group group{next_id_++, log_mass, {}};
   const auto draw = [&](int count) {
     while (static_cast<int>(group.particles.size()) < count) {
@@ -42,9 +42,9 @@ void HypothesisFilter::add(const common::Pose2& mean, const Eigen::Matrix3d& cov
   };
   draw(options_.min_particles);
   // The wider the spread the more bins are met while drawing: Fox's loop, a batch at a time.
-  for (int needed = particles_needed(group.particles); static_cast<int>(group.particles.size()) < needed;
-       needed = particles_needed(group.particles)) {
-    draw(std::min(needed, static_cast<int>(group.particles.size()) + options_.min_particles));
+  const auto needed = [&] { return std::min(most, particles_needed(group.particles)); };
+  for (int wanted = needed(); static_cast<int>(group.particles.size()) < wanted; wanted = needed()) {
+    draw(std::min(wanted, static_cast<int>(group.particles.size()) + options_.min_particles));
   }
   for (Particle& particle : group.particles) particle.weight = 1.0 / static_cast<double>(group.particles.size());
   groups_.push_back(std::move(group));
@@ -61,9 +61,10 @@ void HypothesisFilter::move(const common::Pose2& increment, const Eigen::Matrix3
   }
 }
 
-void HypothesisFilter::weigh(const BeamModel& model, const std::vector<Eigen::Vector2d>& points) {
+void HypothesisFilter::weigh(const BeamModel& model, const std::vector<Eigen::Vector2d>& points,
+                             const Eigen::Vector2d& mount) {
   if (groups_.empty()) return;
-  for (Group& group : groups_) weigh(group, model, points);
+  for (Group& group : groups_) weigh(group, model, points, mount);
   rank();
   join_those_that_met();
   give_up_improbable();
@@ -75,12 +76,21 @@ void HypothesisFilter::weigh(const BeamModel& model, const std::vector<Eigen::Ve
   }
 }
 
-void HypothesisFilter::weigh(Group& group, const BeamModel& model, const std::vector<Eigen::Vector2d>& points) {
+void HypothesisFilter::weigh(Group& group, const BeamModel& model, const std::vector<Eigen::Vector2d>& points,
+                             const Eigen::Vector2d& mount) {
+  const double scan_gain = gain(points.size());
   std::vector<double> log_weights;
   log_weights.reserve(group.particles.size());
+  const Particle* heaviest = nullptr;
+  double heaviest_likelihood = 0.0;
   for (const Particle& particle : group.particles) {
-    log_weights.push_back(std::log(particle.weight) +
-                          gain(points.size()) * model.log_likelihood(points, particle.pose));
+    const double likelihood = model.log_likelihood(points, particle.pose);
+    log_weights.push_back(std::log(particle.weight) + scan_gain * likelihood);
+    if (heaviest && log_weights.back() <= log_weights[static_cast<std::size_t>(heaviest - group.particles.data())]) {
+      continue;
+    }
+    heaviest = &particle;
+    heaviest_likelihood = likelihood;
   }
   const double largest = *std::max_element(log_weights.begin(), log_weights.end());
   if (!std::isfinite(largest)) return;
@@ -90,7 +100,8 @@ void HypothesisFilter::weigh(Group& group, const BeamModel& model, const std::ve
     sum += value;
   }
   for (std::size_t i = 0; i < log_weights.size(); ++i) group.particles[i].weight = log_weights[i] / sum;
-  group.log_mass = options_.memory * group.log_mass + largest + std::log(sum);
+  const double through_walls = model.traced_log_likelihood(points, mount, heaviest->pose) - heaviest_likelihood;
+  group.log_mass = options_.memory * group.log_mass + largest + std::log(sum) + scan_gain * through_walls;
 }
 
 void HypothesisFilter::resample(Group& group, int most) {

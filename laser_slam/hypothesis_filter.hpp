@@ -30,7 +30,8 @@ struct Hypothesis {
 ///
 /// - Motion: every particle moves by the odometry's increment and a draw of its uncertainty.
 /// - Weight: w *= p(scan | pose)^gain, see BeamModel. A hypothesis' probability grows with the mean of that over its
-///   particles: mass *= sum w p^gain.
+///   particles, and shrinks by the beams that went through walls at the heaviest one: mass *= (p_traced / p)^gain sum w
+///   p^gain.
 /// - Resampling: systematic, within each hypothesis, when its N_eff falls below a share of its particles. The number of
 ///   children is Fox's (IJRR 2003, eq. 12) for the k bins its particles stand in,
 ///   n = (k-1)/(2 e) (1 - 2/(9(k-1)) + sqrt(2/(9(k-1))) z)^3. Because hypotheses do not take particles from each other,
@@ -45,16 +46,16 @@ class HypothesisFilter {
   void clear();
   bool empty() const { return groups_.empty(); }
 
-  /// Adds a hypothesis: particles drawn from N(mean, covariance), as many as such a spread needs. `log_mass` is its
-  /// probability relative to the best hypothesis', as a logarithm.
-  void add(const common::Pose2& mean, const Eigen::Matrix3d& covariance, double log_mass);
+  /// Adds a hypothesis: particles drawn from N(mean, covariance), as many as such a spread needs but not more than
+  /// `most`. `log_mass` is its probability relative to the best hypothesis', as a logarithm.
+  void add(const common::Pose2& mean, const Eigen::Matrix3d& covariance, double log_mass, int most);
 
   /// Moves all particles by an increment with a covariance in the body frame at its end.
   void move(const common::Pose2& increment, const Eigen::Matrix3d& covariance);
 
-  /// Weighs all particles by a scan (beam ends in base_link), resamples, joins hypotheses that met and gives up those
-  /// that became improbable.
-  void weigh(const BeamModel& model, const std::vector<Eigen::Vector2d>& points);
+  /// Weighs all particles by a scan (beam ends in base_link, of a laser at `mount` there), resamples, joins hypotheses
+  /// that met and gives up those that became improbable.
+  void weigh(const BeamModel& model, const std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& mount);
 
   /// What a beam's log-likelihood counts in a scan of so many: effective_beams / beams, at most 1.
   double gain(std::size_t beams) const;
@@ -75,7 +76,8 @@ class HypothesisFilter {
   };
 
   Hypothesis describe(const Group& group) const;
-  void weigh(Group& group, const BeamModel& model, const std::vector<Eigen::Vector2d>& points);
+  void weigh(Group& group, const BeamModel& model, const std::vector<Eigen::Vector2d>& points,
+             const Eigen::Vector2d& mount);
   void resample(Group& group, int most);
   int particles_needed(const std::vector<Particle>& particles) const;
   void rank();

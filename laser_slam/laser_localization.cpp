@@ -66,6 +66,7 @@ class LaserLocalization::Impl {
         local_(options.localization),
         sensor_(std::move(sensor)),
         calibration_(calibration),
+        mount_(common::to_pose2(calibration.T_base_laser).translation()),
         grid_(std::move(grid)),
         surfaces_(std::move(surfaces)),
         field_(grid_, local_.beam_model.farthest),
@@ -108,7 +109,7 @@ class LaserLocalization::Impl {
   void set_pose(const common::SetPose& command) {
     if (!command.pose.is_finite() || !command.covariance.allFinite()) return;
     forget_hypotheses();
-    filter_.add(command.pose, command.covariance + floor_covariance(), 0.0);
+    filter_.add(command.pose, command.covariance + floor_covariance(), 0.0, local_.filter.max_particles);
     known_ = filter_.hypotheses();
     monitor_.trust();
     predictor_.forget_speed();
@@ -199,7 +200,7 @@ class LaserLocalization::Impl {
 
   void update(const std::vector<Eigen::Vector2d>& points) {
     move_particles();
-    filter_.weigh(model_, points);
+    filter_.weigh(model_, points, mount_);
     known_ = filter_.hypotheses();
   }
 
@@ -239,8 +240,7 @@ class LaserLocalization::Impl {
                      const std::vector<Eigen::Vector2d>& few) const {
     const ScanMatch match = matcher_.match(surfaces_, points, start, {start, covariance_.inverse()});
     Located located{match.pose, match.fit, {}, 0.0};
-    located.explanation = explain_scan(field_, common::to_pose2(calibration_.T_base_laser).translation(), few,
-                                       match.pose, local_.explained_distance);
+    located.explanation = explain_scan(field_, mount_, few, match.pose, local_.explained_distance);
     located.agreement = located.explanation.agreement(local_.short_weight);
     return located;
   }
@@ -258,11 +258,11 @@ class LaserLocalization::Impl {
                        const MotionPrediction& motion, const Located& located) {
     last_search_ = stamp;
     driven_since_search_ = 0.0;
-    const std::vector<PoseCandidate> candidates = search_.search(points);
+    const std::vector<PoseCandidate> candidates = search_.search(points, mount_);
     if (candidates.empty()) return false;
     move_particles();
     const bool first = filter_.empty();
-    const double reference = first ? candidates.front().log_likelihood : model_.log_likelihood(points, located.pose);
+    const double reference = first ? candidates.front().log_likelihood : model_.traced_log_likelihood(points, mount_, located.pose);
     // After a long gap the robot may be anywhere as well as where it was.
     const bool doubtful = located.agreement < local_.monitor.good_agreement;
     const double prior = first || motion.seconds > local_.longest_gap ? 1.0
@@ -279,11 +279,11 @@ class LaserLocalization::Impl {
     }
     // They share the prior: a map full of places that look alike makes no place of them more probable.
     const double share = std::log(prior / std::max(1.0, as_likely));
-    bool any = false;
+    std::erase_if(newcomers, [&](const auto& newcomer) { return newcomer.second + share < least; });
+    const bool any = !newcomers.empty();
     for (const auto& [pose, relative] : newcomers) {
-      if (relative + share < least) continue;
-      filter_.add(pose, diagonal(kCandidateSpread, kCandidateTurn), relative + share);
-      any = true;
+      filter_.add(pose, diagonal(kCandidateSpread, kCandidateTurn), relative + share,
+                  local_.filter.max_particles / static_cast<int>(newcomers.size()));
     }
     known_ = filter_.hypotheses();
     for (const Hypothesis& hypothesis : known_) held_since_.try_emplace(hypothesis.id, path_.now());
@@ -359,6 +359,7 @@ class LaserLocalization::Impl {
   LocalizationOptions local_;
   std::string sensor_;
   common::LaserCalibration calibration_;
+  Eigen::Vector2d mount_;  // of the laser in base_link
   common::OccupancyGrid grid_;
   GridMap surfaces_;
   LikelihoodField field_;

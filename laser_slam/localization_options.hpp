@@ -30,7 +30,7 @@ struct PoseSearchOptions {
   double step = 0.2;
   double step_angle = 0.105;
   int coarse_beams = 40;
-  double kept_share = 0.01;
+  double kept_share = 0.003;
   int candidates = 30;
 
   void describe(common::OptionVisitor& visit) {

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "common/angle.hpp"
 
@@ -15,23 +17,27 @@ namespace {
 constexpr std::size_t kFewestKept = 400;  // small maps are refined more densely: it costs nothing there
 constexpr int kHalvings = 3;              // of the climbing steps
 constexpr int kMostStepsALevel = 4;
-constexpr double kDistinct = 0.5;       // [m] candidates closer than this ...
+constexpr double kMet = 0.1;           // [m] poses that climbed to closer than this ...
+constexpr double kMetAngle = 0.06;     // [rad] ... and are turned by less climb on together
+constexpr int kFineStarts = 8;         // poses that climb with all beams, for each candidate wanted
+constexpr double kDistinct = 0.5;      // [m] candidates closer than this ...
 constexpr double kDistinctAngle = 0.3;  // [rad] ... and turned by less are one
 
-/// Best first; of equals the one tried first.
-template <class T, class Score>
-void keep_best(std::vector<T>& items, std::size_t count, const Score& score) {
-  count = std::min(count, items.size());
-  const auto better = [&](const T& a, const T& b) {
-    return score(a) != score(b) ? score(a) > score(b) : a.order < b.order;
-  };
-  std::partial_sort(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(count), items.end(), better);
-  items.resize(count);
-}
-
-bool is_same_place(const common::Pose2& a, const common::Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) < kDistinct &&
-         std::abs(common::angle_difference(a.theta, b.theta)) < kDistinctAngle;
+/// Best first, of poses closer than these bounds only the best, at most `most`. Of equals the earlier one is the better.
+std::vector<PoseCandidate> distinct(std::vector<PoseCandidate> candidates, double metres, double radians, int most) {
+  std::stable_sort(candidates.begin(), candidates.end(), [](const PoseCandidate& a, const PoseCandidate& b) {
+    return a.log_likelihood > b.log_likelihood;
+  });
+  std::vector<PoseCandidate> kept;
+  for (const PoseCandidate& candidate : candidates) {
+    if (static_cast<int>(kept.size()) >= most) break;
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const PoseCandidate& other) {
+      return std::hypot(candidate.pose.x - other.pose.x, candidate.pose.y - other.pose.y) < metres &&
+             std::abs(common::angle_difference(candidate.pose.theta, other.pose.theta)) < radians;
+    });
+    if (!known) kept.push_back(candidate);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -46,80 +52,70 @@ std::vector<Eigen::Vector2d> thin_points(const std::vector<Eigen::Vector2d>& poi
 }
 
 PoseSearch::PoseSearch(const LikelihoodField& field, const BeamModelOptions& model, const PoseSearchOptions& options)
-    : field_(&field), options_(options), fine_model_(field, model), coarse_model_(field, model, options.step) {
-  const int stride = std::max(1, static_cast<int>(std::lround(options.step / field.resolution())));
-  for (int row = stride / 2; row < field.height(); row += stride) {
-    for (int column = stride / 2; column < field.width(); column += stride) {
-      if (!LikelihoodField::is_free(field.code(column, row))) continue;
-      places_.push_back(field.origin() + Eigen::Vector2d(column + 0.5, row + 0.5) * field.resolution());
-    }
-  }
-}
+    : field_(&field),
+      options_(options),
+      fine_model_(field, model),
+      places_(field, BeamModel(field, model, options.step),
+              std::max(1, static_cast<int>(std::lround(options.step / field.resolution()))), options.coarse_beams) {}
 
-std::vector<PoseCandidate> PoseSearch::search(const std::vector<Eigen::Vector2d>& points) const {
+std::vector<PoseCandidate> PoseSearch::search(const std::vector<Eigen::Vector2d>& points,
+                                              const Eigen::Vector2d& mount) const {
   if (points.empty()) return {};
-  std::vector<PoseCandidate> climbed;
-  for (const PoseCandidate& start : coarse(points)) climbed.push_back(climb(points, start.pose));
-  std::stable_sort(climbed.begin(), climbed.end(),
-                   [](const PoseCandidate& a, const PoseCandidate& b) { return a.log_likelihood > b.log_likelihood; });
-  std::vector<PoseCandidate> distinct;
-  for (const PoseCandidate& candidate : climbed) {
-    if (static_cast<int>(distinct.size()) >= options_.candidates) break;
-    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const PoseCandidate& other) {
-      return is_same_place(candidate.pose, other.pose);
-    });
-    if (!known) distinct.push_back(candidate);
+  const std::vector<Eigen::Vector2d> few = thin_points(points, options_.coarse_beams);
+  std::vector<PoseCandidate> rough;
+  for (const PoseCandidate& start : coarse(few)) rough.push_back(climb(few, start.pose, 1));
+  std::vector<PoseCandidate> fine;
+  for (const PoseCandidate& start : distinct(std::move(rough), kMet, kMetAngle, kFineStarts * options_.candidates)) {
+    fine.push_back(climb(points, start.pose, kHalvings));
+    fine.back().log_likelihood = fine_model_.traced_log_likelihood(points, mount, fine.back().pose);
   }
-  return distinct;
+  return distinct(std::move(fine), kDistinct, kDistinctAngle, options_.candidates);
 }
 
 std::vector<PoseCandidate> PoseSearch::coarse(const std::vector<Eigen::Vector2d>& points) const {
-  struct Tried {
-    float score;
-    std::uint32_t order;  // heading * places + place
-  };
-  const std::vector<Eigen::Vector2d> few = thin_points(points, options_.coarse_beams);
   const int headings = std::max(1, static_cast<int>(std::lround(2.0 * std::numbers::pi / options_.step_angle)));
-  const auto heading_of = [&](std::size_t i) {
-    return common::normalize_angle(2.0 * std::numbers::pi * static_cast<double>(i) / headings);
-  };
-  std::vector<Tried> tried;
-  tried.reserve(places_.size() * static_cast<std::size_t>(headings));
-  std::vector<std::array<int, 2>> offsets(few.size());
-  const double scale = 1.0 / field_->resolution();
-  for (std::size_t heading = 0; heading < static_cast<std::size_t>(headings); ++heading) {
-    const Eigen::Matrix2d rotation = common::Pose2{0.0, 0.0, heading_of(heading)}.rotation();
-    for (std::size_t i = 0; i < few.size(); ++i) {
-      const Eigen::Vector2d turned = rotation * few[i] * scale;
+  const auto heading_of = [&](int i) { return common::normalize_angle(2.0 * std::numbers::pi * i / headings); };
+  std::vector<std::array<int, 2>> offsets(points.size());
+  std::vector<std::vector<std::uint16_t>> scores(static_cast<std::size_t>(headings));
+  // How many poses have a score, to know without sorting which one the best share begins with.
+  std::vector<std::size_t> poses_of(std::numeric_limits<std::uint16_t>::max() + 1);
+  for (int heading = 0; heading < headings; ++heading) {
+    const Eigen::Matrix2d rotation = common::Pose2{0.0, 0.0, heading_of(heading)}.rotation() / field_->resolution();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector2d turned = rotation * points[i];
       offsets[i] = {static_cast<int>(std::lround(turned.x())), static_cast<int>(std::lround(turned.y()))};
     }
-    for (std::size_t place = 0; place < places_.size(); ++place) {
-      const Eigen::Vector2d cell = (places_[place] - field_->origin()) * scale;
-      const int column = static_cast<int>(cell.x());
-      const int row = static_cast<int>(cell.y());
-      float score = 0.0F;
-      for (const auto& [dx, dy] : offsets) {
-        score += coarse_model_.log_likelihood(field_->code(column + dx, row + dy));
-      }
-      tried.push_back({score, static_cast<std::uint32_t>(heading * places_.size() + place)});
-    }
+    std::vector<std::uint16_t>& at_heading = scores[static_cast<std::size_t>(heading)];
+    places_.score(offsets, at_heading);
+    for (const std::uint16_t score : at_heading) ++poses_of[score];
   }
-  const auto share = static_cast<std::size_t>(options_.kept_share * static_cast<double>(tried.size()));
-  keep_best(tried, std::max(kFewestKept, share), [](const Tried& t) { return t.score; });
+  const auto tried = static_cast<double>(places_.places()) * headings;
+  const std::size_t wanted = std::max(kFewestKept, static_cast<std::size_t>(options_.kept_share * tried));
+  std::size_t least = poses_of.size() - 1;
+  std::size_t better = 0;  // poses that score more than `least`
+  while (least > 0 && better + poses_of[least] < wanted) better += poses_of[least--];
+  std::size_t equal = wanted - better;  // of those that score `least` the first ones
   std::vector<PoseCandidate> best;
-  best.reserve(tried.size());
-  for (const Tried& t : tried) {
-    const Eigen::Vector2d& place = places_[t.order % places_.size()];
-    best.push_back({{place.x(), place.y(), heading_of(t.order / places_.size())}, static_cast<double>(t.score)});
+  for (int heading = 0; heading < headings; ++heading) {
+    const std::vector<std::uint16_t>& at_heading = scores[static_cast<std::size_t>(heading)];
+    for (std::size_t place = 0; place < at_heading.size(); ++place) {
+      const std::uint16_t score = at_heading[place];
+      if (score < least || (score == least && equal == 0)) continue;
+      if (score == least) --equal;
+      const Eigen::Vector2d position = places_.position(place);
+      best.push_back(
+          {{position.x(), position.y(), heading_of(heading)}, places_.log_likelihood(score, points.size())});
+    }
   }
   return best;
 }
 
-PoseCandidate PoseSearch::climb(const std::vector<Eigen::Vector2d>& points, const common::Pose2& start) const {
+PoseCandidate PoseSearch::climb(const std::vector<Eigen::Vector2d>& points, const common::Pose2& start,
+                                int levels) const {
   PoseCandidate best{start, fine_model_.log_likelihood(points, start)};
   double step = options_.step / 2.0;
   double turn = options_.step_angle / 2.0;
-  for (int level = 0; level < kHalvings; ++level, step /= 2.0, turn /= 2.0) {
+  for (int level = 0; level < levels; ++level, step /= 2.0, turn /= 2.0) {
     for (int i = 0; i < kMostStepsALevel; ++i) {
       const PoseCandidate from = best;
       const std::array<Eigen::Vector3d, 6> moves = {

@@ -15,18 +15,21 @@ double ScanExplanation::agreement(double short_weight) const {
   return explained / (explained + contradicted + short_weight * in_the_way + 1e-9);
 }
 
+bool passes_wall(const LikelihoodField& field, const Eigen::Vector2d& laser, const Eigen::Vector2d& end) {
+  const double length = (end - laser).norm();
+  if (length <= kOwnReach + kWallDepth) return false;
+  const Eigen::Vector2d along = (end - laser) / length;
+  return field.is_blocked(laser + along * kOwnReach, end - along * kWallDepth);
+}
+
 ScanExplanation explain_scan(const LikelihoodField& field, const Eigen::Vector2d& mount,
                              const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose, double tolerance) {
   ScanExplanation result;
   const Eigen::Vector2d laser = pose * mount;
   for (const Eigen::Vector2d& point : points) {
     const Eigen::Vector2d end = pose * point;
-    const double length = (end - laser).norm();
-    const Eigen::Vector2d along = length > 0.0 ? Eigen::Vector2d((end - laser) / length) : Eigen::Vector2d::Zero();
-    const bool through =
-        length > kOwnReach + kWallDepth && field.is_blocked(laser + along * kOwnReach, end - along * kWallDepth);
     const LikelihoodField::Code code = field.code_at(end);
-    if (through) {
+    if (passes_wall(field, laser, end)) {
       ++result.contradicted;
     } else if (field.distance_of(code) <= tolerance) {
       ++result.explained;

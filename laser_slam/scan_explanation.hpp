@@ -28,4 +28,7 @@ ScanExplanation explain_scan(const LikelihoodField& field, const Eigen::Vector2d
                              const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose, double tolerance);
 inline constexpr double kWallDepth = 0.3;  ///< [m] of a beam before its end that may lie in the wall it meets
 
+/// Whether a beam from `laser` to `end` [m, map frame] went through a wall more than kWallDepth before its end.
+bool passes_wall(const LikelihoodField& field, const Eigen::Vector2d& laser, const Eigen::Vector2d& end);
+
 }  // namespace slamfuse::laser_slam

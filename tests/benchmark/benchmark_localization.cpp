@@ -2,12 +2,12 @@
 // How well the laser finds itself in a finished map: one run over all of a recording, and global starts at random times
 // of it. Markdown on standard output.
 //
-//   benchmark_localization --mapped RECORDING [--map OUT/map] --recording RECORDING [options]
+//   benchmark_localization --mapped RECORDING [--mapped-to S | --map OUT/map] --recording RECORDING [options]
 //   benchmark_localization --hold-out RECORDING [options]
 //
 // options: [--starts N] [--seed N] [--seconds S] [--threads N] [--set laser.localization.key=value]... [--verbose]
 //
-// The map is made from --mapped, or is read from --map if that was made from it before: the ground truth of --mapped
+// The map is made from --mapped (its first S seconds), or is read from --map if that was made from it before: the ground truth of --mapped
 // and the map's own path give the transform between the map's frame and the truth's. Both recordings' truth must be in
 // one frame. --hold-out needs no truth: the map is made from every second scan, the others are localised in it and
 // compared with the mapped path.
@@ -57,6 +57,7 @@ constexpr double kWatched = 10.0;      // [s] of driving for which a fix is watc
 struct Arguments {
   std::string map;
   std::string mapped;
+  double mapped_to = HUGE_VAL;
   std::string recording;
   std::string hold_out;
   int starts = 200;
@@ -142,7 +143,10 @@ common::Result<Mapped> map_of(const Arguments& arguments, const laser_slam::Lase
   auto slam = laser_slam::LaserSlam::create(options, input->laser, input->calibration, arguments.seed,
                                             arguments.threads);
   if (!slam) return tl::unexpected(slam.error());
-  for (const common::SensorMessage& message : input->messages) (*slam)->process(message);
+  const common::Nanoseconds begin = common::stamp_of(input->messages.front());
+  for (const common::SensorMessage& message : input->messages) {
+    if (common::to_seconds(common::stamp_of(message) - begin) <= arguments.mapped_to) (*slam)->process(message);
+  }
   auto state = (*slam)->serialize();
   if (!state) return tl::unexpected(state.error());
   return Mapped{{arguments.mapped, (*slam)->grid(), std::move(*state)}, (*slam)->final_trajectory()};
@@ -236,10 +240,14 @@ common::Result<Outcome> start_at(const Input& input, const laser_slam::LaserSlam
   Outcome outcome;
   const common::Nanoseconds begin = common::stamp_of(input.messages[input.scans[first]]);
   outcome.started = common::to_seconds(begin - common::stamp_of(input.messages.front()));
+  // The wheels tell where they are before the scan does: its own odometry is known when the program starts with it.
+  std::size_t begin_with = input.scans[first];
+  while (begin_with > 0 && !std::holds_alternative<common::WheelOdometry>(input.messages[begin_with])) --begin_with;
   std::size_t scan = first;  // that comes next
-  for (std::size_t i = input.scans[first]; i < input.messages.size() && scan < input.scans.size(); ++i) {
+  for (std::size_t i = begin_with; i < input.messages.size() && scan < input.scans.size(); ++i) {
     const double before = cpu_seconds();
     const common::ProcessResult result = (*module)->process(input.messages[i]);
+    if (i < input.scans[first]) continue;
     if (result.estimate) outcome.update_ms.push_back(1e3 * (cpu_seconds() - before));
     if (i != input.scans[scan]) continue;
     if (scan != first && input.carried[scan]) break;
@@ -446,6 +454,7 @@ int main(int argc, char** argv) {
   slamfuse::Arguments arguments;
   CLI::App app("Measures localisation in a finished map.");
   auto* mapped = app.add_option("--mapped", arguments.mapped);
+  app.add_option("--mapped-to", arguments.mapped_to)->needs(mapped);
   app.add_option("--map", arguments.map)->needs(mapped);
   auto* recording = app.add_option("--recording", arguments.recording)->needs(mapped);
   app.add_option("--hold-out", arguments.hold_out)->excludes(recording);
