@@ -9,7 +9,9 @@
 namespace slamfuse::laser_slam {
 
 BeamModel::BeamModel(const LikelihoodField& field, const BeamModelOptions& options, double slack)
-    : field_(&field), through_wall_(std::log(options.random_likelihood / (1.0 + options.random_likelihood))) {
+    : field_(&field),
+      wall_in_the_way_(std::log(options.short_likelihood / (1.0 + options.short_likelihood))),
+      nothing_(std::log(options.random_likelihood / (1.0 + options.random_likelihood))) {
   for (std::size_t i = 0; i < table_.size(); ++i) {
     const auto code = static_cast<LikelihoodField::Code>(i);
     const double distance = std::max(0.0, field.distance_of(code) - slack) / options.hit_sigma;
@@ -43,7 +45,11 @@ double BeamModel::traced_log_likelihood(const std::vector<Eigen::Vector2d>& poin
   for (const Eigen::Vector2d& point : points) {
     const Eigen::Vector2d end = pose * point;
     const auto at_end = static_cast<double>(table_[field_->code_at(end)]);
-    sum += passes_wall(*field_, laser, end) ? std::min(at_end, through_wall_) : at_end;
+    if (!passes_wall(*field_, laser, end)) {
+      sum += at_end;
+    } else {
+      sum += std::min(at_end, std::max(at_end + wall_in_the_way_, nothing_));
+    }
   }
   return sum;
 }

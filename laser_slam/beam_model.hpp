@@ -32,15 +32,17 @@ class BeamModel {
   float log_likelihood(LikelihoodField::Code code) const { return table_[code]; }
   /// Sum over the beam ends, given in base_link, at a pose.
   double log_likelihood(const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose) const;
-  /// The same, but a beam that went through a wall on its way from the laser at `mount` (base_link) is one that ends
-  /// where nothing is known at best: e = random_likelihood, d infinite.
+  /// The same, but a beam that went through a wall on its way from the laser at `mount` (base_link) is less likely by
+  /// what a beam costs that ends in free space, down to one that ends where nothing is known. Less is not said, for
+  /// there are walls of glass: some beams end there, others see what stands behind.
   double traced_log_likelihood(const std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& mount,
                                const common::Pose2& pose) const;
 
  private:
   const LikelihoodField* field_;
   std::array<float, 256> table_;
-  double through_wall_;  // log-likelihood
+  double wall_in_the_way_;  // log-likelihood a beam loses by a wall it went through ...
+  double nothing_;          // ... down to this
 };
 
 }  // namespace slamfuse::laser_slam

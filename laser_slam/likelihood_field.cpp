@@ -98,17 +98,22 @@ LikelihoodField::LikelihoodField(const common::OccupancyGrid& grid, double farth
   }
 }
 
-bool LikelihoodField::is_blocked(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
+bool LikelihoodField::passes_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double beyond) const {
   const double length = (to - from).norm();
+  if (length == 0.0) return false;
+  const double far = std::min(beyond, 0.99 * farthest_);  // distances end at the cap
   const int steps = static_cast<int>(std::ceil(2.0 * length / resolution_));
+  bool met = false;
   double travelled = 0.0;
   for (int i = 0; i <= steps; ++i) {
-    const double along = steps > 0 ? length * i / steps : 0.0;
+    const double along = length * i / steps;
     if (along < travelled) continue;
-    const Code here = code_at(length > 0.0 ? Eigen::Vector2d(from + (to - from) * (along / length)) : from);
-    if (is_occupied(here)) return true;
-    // Nothing is nearer than this, so the steps in between need no look.
-    travelled = along + std::max(0.0, distance_of(here) - 2.0 * resolution_);
+    const Code here = code_at(from + (to - from) * (along / length));
+    const double distance = distance_of(here);
+    if (met && distance >= far) return true;
+    met = met || is_occupied(here);
+    // The distance changes by no more than what is travelled, so the steps in between need no look.
+    travelled = along + std::max(0.0, (met ? far - distance : distance) - 2.0 * resolution_);
   }
   return false;
 }

@@ -48,8 +48,9 @@ class LikelihoodField {
   static bool is_occupied(Code code) { return code == 0; }
   static bool is_free(Code code) { return code != 0 && (code & kUnknown) == 0; }
 
-  /// Whether a segment [m, map frame] passes through an occupied cell (sampled at half cells).
-  bool is_blocked(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
+  /// Whether a segment [m, map frame] meets an occupied cell and then comes `beyond` [m] away from all of them (sampled
+  /// at half cells). One that grazes a wall and ends there does not.
+  bool passes_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double beyond) const;
 
  private:
   double resolution_;

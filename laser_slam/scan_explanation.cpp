@@ -17,9 +17,7 @@ double ScanExplanation::agreement(double short_weight) const {
 
 bool passes_wall(const LikelihoodField& field, const Eigen::Vector2d& laser, const Eigen::Vector2d& end) {
   const double length = (end - laser).norm();
-  if (length <= kOwnReach + kWallDepth) return false;
-  const Eigen::Vector2d along = (end - laser) / length;
-  return field.is_blocked(laser + along * kOwnReach, end - along * kWallDepth);
+  return length > kOwnReach && field.passes_wall(laser + (end - laser) * (kOwnReach / length), end, kBeyondWall);
 }
 
 ScanExplanation explain_scan(const LikelihoodField& field, const Eigen::Vector2d& mount,

@@ -23,12 +23,13 @@ struct ScanExplanation {
 };
 
 /// Looks along every beam from the laser at `mount` (base_link) to the ends `points` (base_link). A beam that ends
-/// within `tolerance` [m] of a wall is explained unless another wall stands before it by more than kWallDepth.
+/// within `tolerance` [m] of a wall is explained unless it went through another wall before.
 ScanExplanation explain_scan(const LikelihoodField& field, const Eigen::Vector2d& mount,
                              const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose, double tolerance);
-inline constexpr double kWallDepth = 0.3;  ///< [m] of a beam before its end that may lie in the wall it meets
 
-/// Whether a beam from `laser` to `end` [m, map frame] went through a wall more than kWallDepth before its end.
+/// Whether a beam from `laser` to `end` [m, map frame] went through a wall: it met one and came farther than
+/// kBeyondWall away from it. A beam that grazes a wall meets its cells long before its end, and stays near them.
 bool passes_wall(const LikelihoodField& field, const Eigen::Vector2d& laser, const Eigen::Vector2d& end);
+inline constexpr double kBeyondWall = 0.2;  ///< [m]
 
 }  // namespace slamfuse::laser_slam
