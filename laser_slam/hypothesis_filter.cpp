@@ -40,7 +40,7 @@ void HypothesisFilter::add(const common::Pose2& mean, const Eigen::Matrix3d& cov
       group.particles.push_back({draw_pose(mean, covariance, random_), 1.0});
     }
   };
-  draw(options_.min_particles);
+  draw(std::min(options_.min_particles, most));
   // The wider the spread the more bins are met while drawing: Fox's loop, a batch at a time.
   const auto needed = [&] { return std::min(most, particles_needed(group.particles)); };
   for (int wanted = needed(); static_cast<int>(group.particles.size()) < wanted; wanted = needed()) {

@@ -15,6 +15,7 @@
 #include "laser_slam/beam_model.hpp"
 #include "laser_slam/degeneracy.hpp"
 #include "laser_slam/hypothesis_filter.hpp"
+#include "laser_slam/input_checks.hpp"
 #include "laser_slam/likelihood_field.hpp"
 #include "laser_slam/localization_monitor.hpp"
 #include "laser_slam/localization_path.hpp"
@@ -107,9 +108,12 @@ class LaserLocalization::Impl {
   }
 
   void set_pose(const common::SetPose& command) {
-    if (!command.pose.is_finite() || !command.covariance.allFinite()) return;
+    if (const auto usable = check_set_pose(command, floor_covariance()); !usable) {
+      return announce("set_pose_refused", usable.error().message);
+    }
     forget_hypotheses();
-    filter_.add(command.pose, command.covariance + floor_covariance(), 0.0, local_.filter.max_particles);
+    filter_.add({command.pose.x, command.pose.y, common::normalize_angle(command.pose.theta)},
+                command.covariance + floor_covariance(), 0.0, local_.filter.max_particles);
     known_ = filter_.hypotheses();
     monitor_.trust();
     predictor_.forget_speed();
@@ -254,15 +258,17 @@ class LaserLocalization::Impl {
   }
 
   /// Searches the whole map and adds the poses nobody thought of as hypotheses. Returns whether there were any.
-  bool look_everywhere(common::Nanoseconds stamp, const std::vector<Eigen::Vector2d>& points,
+  bool look_everywhere(common::Nanoseconds stamp, const std::vector<Eigen::Vector2d>& all,
                        const MotionPrediction& motion, const Located& located) {
+    const std::vector<Eigen::Vector2d> points = thin_points(all, local_.search.fine_beams);
     last_search_ = stamp;
     driven_since_search_ = 0.0;
     const std::vector<PoseCandidate> candidates = search_.search(points, mount_);
     if (candidates.empty()) return false;
     move_particles();
     const bool first = filter_.empty();
-    const double reference = first ? candidates.front().log_likelihood : model_.traced_log_likelihood(points, mount_, located.pose);
+    const double reference =
+        first ? candidates.front().log_likelihood : model_.traced_log_likelihood(points, mount_, located.pose);
     // After a long gap the robot may be anywhere as well as where it was.
     const bool doubtful = located.agreement < local_.monitor.good_agreement;
     const double prior = first || motion.seconds > local_.longest_gap ? 1.0
@@ -396,6 +402,8 @@ common::Result<std::unique_ptr<LaserLocalization>> LaserLocalization::create(
     const LaserSlamOptions& options, const std::string& sensor, const common::LaserCalibration& calibration,
     const LocalizationMap& map, std::uint64_t seed) {
   if (auto checked = check_calibration(sensor, calibration); !checked) return tl::unexpected(checked.error());
+  auto surfaces = surface_map(map.grid, options.map);
+  if (!surfaces) return common::invalid_input(map.name + ": " + surfaces.error().message);
   const LikelihoodField field(map.grid, options.localization.beam_model.farthest);
   bool any_free = false;
   bool any_occupied = false;
@@ -409,14 +417,13 @@ common::Result<std::unique_ptr<LaserLocalization>> LaserLocalization::create(
     return common::invalid_input(fmt::format("{}: {}x{} cells without any {} one, nothing to localise in", map.name,
                                              map.grid.width, map.grid.height, any_free ? "occupied" : "free"));
   }
-  GridMap surfaces = surface_map(map.grid, options.map);
   if (!map.laser_state.empty()) {
     auto state = parse_state(map.laser_state, options.map);
     if (!state) return common::invalid_input(map.name + ": " + state.error().message);
     surfaces = std::move(state->map);
   }
-  return std::unique_ptr<LaserLocalization>(
-      new LaserLocalization(std::make_unique<Impl>(options, sensor, calibration, map.grid, std::move(surfaces), seed)));
+  return std::unique_ptr<LaserLocalization>(new LaserLocalization(
+      std::make_unique<Impl>(options, sensor, calibration, map.grid, std::move(*surfaces), seed)));
 }
 
 bool LaserLocalization::wants(const common::SensorMessage& message) const {
@@ -426,7 +433,7 @@ bool LaserLocalization::wants(const common::SensorMessage& message) const {
 
 common::ProcessResult LaserLocalization::process(const common::SensorMessage& message) {
   if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) {
-    if (!odometry->pose.is_finite()) return {std::nullopt, "odometry pose is not finite"};
+    if (const auto usable = check_odometry(*odometry); !usable) return {std::nullopt, usable.error().message};
     impl_->add(*odometry);
     return {};
   }

@@ -35,8 +35,9 @@ struct LocalizationMap {
 class LaserLocalization : public common::SlamModule {
  public:
   /// Localises the scans named `sensor`. Uses `options.localization` and, of the rest, motion, matcher, max_range and
-  /// compensate_sweep. Errors (kInvalidInput): a calibration that cannot be used (see LaserSlam), a grid without any
-  /// free or any occupied cell, a state that does not belong to LaserSlam or has another cell size than the options.
+  /// compensate_sweep. Errors (kInvalidInput): a calibration that cannot be used (see LaserSlam), a grid that cannot be
+  /// (see surface_map) or is without any free or any occupied cell, a state that does not belong to LaserSlam or has
+  /// another cell size than the options.
   static common::Result<std::unique_ptr<LaserLocalization>> create(const LaserSlamOptions& options,
                                                                    const std::string& sensor,
                                                                    const common::LaserCalibration& calibration,
@@ -46,7 +47,8 @@ class LaserLocalization : public common::SlamModule {
   common::PoseSource source() const override { return common::PoseSource::kLaser; }
   bool wants(const common::SensorMessage& message) const override;
   common::ProcessResult process(const common::SensorMessage& message) override;
-  /// SetPose draws the particles around the pose, which the next scans verify. Relocalise searches the whole map. Reset
+  /// SetPose draws the particles around the pose, which the next scans verify; one that cannot be used is answered by
+  /// an event on the next estimate and changes nothing (see check_set_pose). Relocalise searches the whole map. Reset
   /// does the same in a new map epoch: the map itself stays, it is the user's.
   void execute(const common::Command& command) override;
   /// The path as known now. Poses while it was searched for are placed in hindsight, by the motion from when the

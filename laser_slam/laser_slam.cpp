@@ -12,6 +12,7 @@
 
 #include "common/angle.hpp"
 #include "laser_slam/degeneracy.hpp"
+#include "laser_slam/input_checks.hpp"
 #include "laser_slam/loop_detector.hpp"
 #include "laser_slam/map_state.hpp"
 #include "laser_slam/motion_accumulator.hpp"
@@ -29,7 +30,6 @@ namespace {
 constexpr double kEnoughKnown = 0.2;       // share of a scan's beams in mapped space for its agreement to tell anything
 constexpr int kFewestKnown = 5;            // and how many of them at least
 constexpr double kMostCells = 4000.0;      // reach of a beam in the map; inserting a scan takes 4 B a cell it may meet
-constexpr double kFarthestOdometry = 1e8;  // [m] from its origin; no map projection counts farther
 constexpr double kPoseFloor = 0.005;       // [m] no estimate claims to be better than this: a tenth of a cell
 constexpr double kHeadingFloor = 0.002;    // [rad] the same
 constexpr double kDegenerateEvery = 10.0;  // [m] of path between two events of being degenerate
@@ -159,21 +159,7 @@ class LaserSlam::Impl {
   /// Whether particles can be drawn as a SetPose asks.
   common::Result<void> check(const common::SetPose& command) const {
     if (!started_ && !restored_) return common::failed("there is no map yet in which a pose could be set");
-    if (!command.pose.is_finite() || std::hypot(command.pose.x, command.pose.y) > GridMap::kFarthest) {
-      return common::failed(
-          fmt::format("the position is ({}, {}), the heading {}; allowed is up to {} m from the origin", command.pose.x,
-                      command.pose.y, command.pose.theta, GridMap::kFarthest));
-    }
-    const Eigen::Matrix3d covariance = command.covariance + floor_covariance();
-    if (!covariance.allFinite() || covariance.llt().info() != Eigen::Success) {
-      return common::failed("the covariance is not finite or not positive semidefinite");
-    }
-    const double spread = std::sqrt(covariance.diagonal().head<2>().maxCoeff());
-    if (spread > GridMap::kFarthest) {
-      return common::failed(
-          fmt::format("the position's standard deviation is {} m, allowed is up to {} m", spread, GridMap::kFarthest));
-    }
-    return {};
+    return check_set_pose(command, floor_covariance());
   }
 
   /// Draws the particles around a pose set from outside.
@@ -362,12 +348,7 @@ bool LaserSlam::wants(const common::SensorMessage& message) const {
 
 common::ProcessResult LaserSlam::process(const common::SensorMessage& message) {
   if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) {
-    if (!odometry->pose.is_finite()) return {std::nullopt, "odometry pose is not finite"};
-    const double distance = std::hypot(odometry->pose.x, odometry->pose.y);
-    if (distance > kFarthestOdometry) {
-      return {std::nullopt,
-              fmt::format("odometry is {} m from its origin, allowed are up to {}", distance, kFarthestOdometry)};
-    }
+    if (const auto usable = check_odometry(*odometry); !usable) return {std::nullopt, usable.error().message};
     impl_->add(*odometry);
     return {};
   }

@@ -103,17 +103,19 @@ bool LikelihoodField::passes_wall(const Eigen::Vector2d& from, const Eigen::Vect
   if (length == 0.0) return false;
   const double far = std::min(beyond, 0.99 * farthest_);  // distances end at the cap
   const int steps = static_cast<int>(std::ceil(2.0 * length / resolution_));
+  const double step = length / steps;
+  // In cells; rounding towards zero at the border does no harm, what is outside is far.
+  const Eigen::Vector2d begin = (from - origin_) / resolution_;
+  const Eigen::Vector2d stride = (to - from) / (resolution_ * steps);
   bool met = false;
-  double travelled = 0.0;
-  for (int i = 0; i <= steps; ++i) {
-    const double along = length * i / steps;
-    if (along < travelled) continue;
-    const Code here = code_at(from + (to - from) * (along / length));
+  for (int i = 0; i <= steps;) {
+    const Code here = code(static_cast<int>(begin.x() + i * stride.x()), static_cast<int>(begin.y() + i * stride.y()));
     const double distance = distance_of(here);
     if (met && distance >= far) return true;
     met = met || is_occupied(here);
     // The distance changes by no more than what is travelled, so the steps in between need no look.
-    travelled = along + std::max(0.0, (met ? far - distance : distance) - 2.0 * resolution_);
+    const double idle = (met ? far - distance : distance) - 2.0 * resolution_;
+    i += idle > step ? static_cast<int>(idle / step) : 1;
   }
   return false;
 }

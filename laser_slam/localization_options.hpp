@@ -30,6 +30,7 @@ struct PoseSearchOptions {
   double step = 0.2;
   double step_angle = 0.105;
   int coarse_beams = 40;
+  int fine_beams = 120;
   double kept_share = 0.003;
   int candidates = 30;
 
@@ -37,7 +38,8 @@ struct PoseSearchOptions {
     visit.real("step", step, {0.05, 2.0}, "m", "Spacing of the positions tried over the free space.");
     visit.real("step_angle", step_angle, {0.01, 0.6}, "rad", "Spacing of the headings tried.");
     visit.integer("coarse_beams", coarse_beams, {8, 1000}, "", "Beams used for these.");
-    visit.real("kept_share", kept_share, {1e-4, 1.0}, "", "Share of the poses tried that is refined with all beams.");
+    visit.real("kept_share", kept_share, {1e-4, 1.0}, "", "Share of the poses tried that is refined.");
+    visit.integer("fine_beams", fine_beams, {8, 100000}, "", "Beams that refine and rank these at most.");
     visit.integer("candidates", candidates, {2, 1000}, "", "Distinct poses that become hypotheses at most.");
   }
 };
@@ -87,7 +89,7 @@ struct LocalizationMonitorOptions {
   double lost_time = 1.0;
   double sure_mass = 0.95;
   double widest_spread = 0.3;
-  double confirm_distance = 0.5;
+  double confirm_distance = 0.35;
 
   void describe(common::OptionVisitor& visit) {
     visit.real("good_agreement", good_agreement, {0.0, 1.0}, "",

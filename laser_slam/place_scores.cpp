@@ -31,8 +31,7 @@ PlaceScores::PlaceScores(const LikelihoodField& field, const BeamModel& model, i
       resolution_(field.resolution()),
       origin_(field.origin()) {
   for (int code = 0; code <= std::numeric_limits<LikelihoodField::Code>::max(); ++code) {
-    worst_ = std::min(
-        worst_, static_cast<double>(model.log_likelihood(static_cast<LikelihoodField::Code>(code))));
+    worst_ = std::min(worst_, static_cast<double>(model.log_likelihood(static_cast<LikelihoodField::Code>(code))));
   }
   const int levels = std::min<int>(std::numeric_limits<std::uint8_t>::max(),
                                    std::numeric_limits<std::uint16_t>::max() / std::max(1, most_beams));

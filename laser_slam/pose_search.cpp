@@ -17,17 +17,18 @@ namespace {
 constexpr std::size_t kFewestKept = 400;  // small maps are refined more densely: it costs nothing there
 constexpr int kHalvings = 3;              // of the climbing steps
 constexpr int kMostStepsALevel = 4;
-constexpr double kMet = 0.1;           // [m] poses that climbed to closer than this ...
-constexpr double kMetAngle = 0.06;     // [rad] ... and are turned by less climb on together
-constexpr int kFineStarts = 8;         // poses that climb with all beams, for each candidate wanted
-constexpr double kDistinct = 0.5;      // [m] candidates closer than this ...
+constexpr double kMet = 0.1;            // [m] poses that climbed to closer than this ...
+constexpr double kMetAngle = 0.06;      // [rad] ... and are turned by less climb on together
+constexpr int kFineStarts = 8;          // poses that climb with all beams, for each candidate wanted
+constexpr int kTraced = 3;              // of these whose beams are followed
+constexpr double kDistinct = 0.5;       // [m] candidates closer than this ...
 constexpr double kDistinctAngle = 0.3;  // [rad] ... and turned by less are one
 
-/// Best first, of poses closer than these bounds only the best, at most `most`. Of equals the earlier one is the better.
+/// Best first, of poses closer than these bounds only the best, at most `most`. Of equals the earlier one is the
+/// better.
 std::vector<PoseCandidate> distinct(std::vector<PoseCandidate> candidates, double metres, double radians, int most) {
-  std::stable_sort(candidates.begin(), candidates.end(), [](const PoseCandidate& a, const PoseCandidate& b) {
-    return a.log_likelihood > b.log_likelihood;
-  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const PoseCandidate& a, const PoseCandidate& b) { return a.log_likelihood > b.log_likelihood; });
   std::vector<PoseCandidate> kept;
   for (const PoseCandidate& candidate : candidates) {
     if (static_cast<int>(kept.size()) >= most) break;
@@ -67,9 +68,13 @@ std::vector<PoseCandidate> PoseSearch::search(const std::vector<Eigen::Vector2d>
   std::vector<PoseCandidate> fine;
   for (const PoseCandidate& start : distinct(std::move(rough), kMet, kMetAngle, kFineStarts * options_.candidates)) {
     fine.push_back(climb(points, start.pose, kHalvings));
-    fine.back().log_likelihood = fine_model_.traced_log_likelihood(points, mount, fine.back().pose);
   }
-  return distinct(std::move(fine), kDistinct, kDistinctAngle, options_.candidates);
+  std::vector<PoseCandidate> traced =
+      distinct(std::move(fine), kDistinct, kDistinctAngle, kTraced * options_.candidates);
+  for (PoseCandidate& candidate : traced) {
+    candidate.log_likelihood = fine_model_.traced_log_likelihood(points, mount, candidate.pose);
+  }
+  return distinct(std::move(traced), kDistinct, kDistinctAngle, options_.candidates);
 }
 
 std::vector<PoseCandidate> PoseSearch::coarse(const std::vector<Eigen::Vector2d>& points) const {
@@ -103,8 +108,7 @@ std::vector<PoseCandidate> PoseSearch::coarse(const std::vector<Eigen::Vector2d>
       if (score < least || (score == least && equal == 0)) continue;
       if (score == least) --equal;
       const Eigen::Vector2d position = places_.position(place);
-      best.push_back(
-          {{position.x(), position.y(), heading_of(heading)}, places_.log_likelihood(score, points.size())});
+      best.push_back({{position.x(), position.y(), heading_of(heading)}, places_.log_likelihood(score, points.size())});
     }
   }
   return best;
@@ -121,14 +125,14 @@ PoseCandidate PoseSearch::climb(const std::vector<Eigen::Vector2d>& points, cons
       const std::array<Eigen::Vector3d, 6> moves = {
           {{step, 0, 0}, {-step, 0, 0}, {0, step, 0}, {0, -step, 0}, {0, 0, turn}, {0, 0, -turn}}};
       for (const Eigen::Vector3d& move : moves) {
-        const common::Pose2 pose{from.pose.x + move.x(), from.pose.y + move.y(),
-                                 common::normalize_angle(from.pose.theta + move.z())};
+        const common::Pose2 pose{from.pose.x + move.x(), from.pose.y + move.y(), from.pose.theta + move.z()};
         const double score = fine_model_.log_likelihood(points, pose);
         if (score > best.log_likelihood) best = {pose, score};
       }
       if (best.log_likelihood == from.log_likelihood) break;
     }
   }
+  best.pose.theta = common::normalize_angle(best.pose.theta);
   return best;
 }
 

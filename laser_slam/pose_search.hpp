@@ -26,15 +26,15 @@ struct PoseCandidate {
 ///    likelihood that forgives `step`: the field's distances change by no more than the pose is moved (PlaceScores).
 /// 2. Rough: the best `kept_share` of them climbs with the same few beams in steps of `step` / 2. Of those that meet
 ///    only the best stays.
-/// 3. Fine: the best of these climb with all beams, in steps halved from `step` / 2 to 1/8 of it.
+/// 3. Fine: the best of these climb with all beams given, in steps halved from `step` / 2 to 1/8 of it.
 /// 4. Beams that go through walls are counted. Of poses close together only the best stays.
 class PoseSearch {
  public:
   /// The field must outlive this.
   PoseSearch(const LikelihoodField& field, const BeamModelOptions& model, const PoseSearchOptions& options);
 
-  /// The most likely distinct poses for beam ends given in base_link, of a laser at `mount` there, best first. Empty for
-  /// a map without free space.
+  /// The most likely distinct poses for beam ends given in base_link, of a laser at `mount` there, best first. Empty
+  /// for a map without free space.
   std::vector<PoseCandidate> search(const std::vector<Eigen::Vector2d>& points, const Eigen::Vector2d& mount) const;
 
  private:

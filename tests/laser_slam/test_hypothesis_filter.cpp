@@ -40,6 +40,9 @@ std::vector<Eigen::Vector2d> beams_from(const common::Pose2& pose) {
   return points;
 }
 
+const Eigen::Vector2d kMount = Eigen::Vector2d::Zero();
+const int kMost = HypothesisFilterOptions{}.max_particles;
+
 Eigen::Matrix3d spread(double metres) { return Eigen::Vector3d(metres * metres, metres * metres, 0.01).asDiagonal(); }
 
 TEST(KldParticles, GrowWithTheBinsAndMatchFoxsFormula) {
@@ -52,9 +55,9 @@ TEST(KldParticles, GrowWithTheBinsAndMatchFoxsFormula) {
 TEST(HypothesisFilter, TakesMoreParticlesForAWiderSpreadButNeverTooMany) {
   const HypothesisFilterOptions options;
   HypothesisFilter narrow(options, 1), wide(options, 1), huge(options, 1);
-  narrow.add({}, spread(0.02), 0.0);
-  wide.add({}, spread(0.3), 0.0);
-  huge.add({}, spread(30.0), 0.0);
+  narrow.add({}, spread(0.02), 0.0, kMost);
+  wide.add({}, spread(0.3), 0.0, kMost);
+  huge.add({}, spread(30.0), 0.0, kMost);
   EXPECT_LT(narrow.particle_count(), wide.particle_count());
   EXPECT_LE(huge.particle_count(), options.max_particles);
 }
@@ -64,13 +67,13 @@ TEST(HypothesisFilter, ShrinksToThePoseTheScansTell) {
   const BeamModel model(field, BeamModelOptions{});
   HypothesisFilter filter(HypothesisFilterOptions{}, 1);
   common::Pose2 truth{1.0, -2.0, 0.3};
-  filter.add({1.2, -1.8, 0.35}, spread(0.3), 0.0);
+  filter.add({1.2, -1.8, 0.35}, spread(0.3), 0.0, kMost);
   const int before = filter.particle_count();
   const common::Pose2 step{0.1, 0.0, 0.02};
   for (int i = 0; i < 15; ++i) {
     truth = truth * step;
     filter.move(step, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal());
-    filter.weigh(model, beams_from(truth));
+    filter.weigh(model, beams_from(truth), kMount);
   }
   const Hypothesis best = filter.hypotheses().front();
   EXPECT_NEAR(best.mean.x, truth.x, 0.1);
@@ -84,13 +87,13 @@ TEST(HypothesisFilter, KeepsTwoPlacesThatLookTheSameForever) {
   const BeamModel model(field, BeamModelOptions{});
   HypothesisFilter filter(HypothesisFilterOptions{}, 1);
   common::Pose2 truth{1.0, -2.0, 0.3};
-  filter.add(truth, spread(0.05), 0.0);
-  filter.add({-1.0, 2.0, 0.3 - M_PI}, spread(0.05), 0.0);  // the square turned by half
+  filter.add(truth, spread(0.05), 0.0, kMost);
+  filter.add({-1.0, 2.0, 0.3 - M_PI}, spread(0.05), 0.0, kMost);  // the square turned by half
   const common::Pose2 step{0.05, 0.0, 0.05};
   for (int i = 0; i < 200; ++i) {
     truth = truth * step;
     filter.move(step, Eigen::Vector3d(1e-5, 1e-5, 1e-5).asDiagonal());
-    filter.weigh(model, beams_from(truth));
+    filter.weigh(model, beams_from(truth), kMount);
   }
   const auto hypotheses = filter.hypotheses();
   ASSERT_EQ(hypotheses.size(), 2U);
@@ -102,12 +105,39 @@ TEST(HypothesisFilter, GivesUpAPlaceThatTheScansContradict) {
   const BeamModel model(field, BeamModelOptions{});
   HypothesisFilter filter(HypothesisFilterOptions{}, 1);
   const common::Pose2 truth{1.0, -2.0, 0.3};
-  filter.add({-3.0, 0.0, 0.3}, spread(0.05), 0.0);
-  filter.add(truth, spread(0.05), std::log(0.1));
-  for (int i = 0; i < 10; ++i) filter.weigh(model, beams_from(truth));
+  filter.add({-3.0, 0.0, 0.3}, spread(0.05), 0.0, kMost);
+  filter.add(truth, spread(0.05), std::log(0.1), kMost);
+  for (int i = 0; i < 10; ++i) filter.weigh(model, beams_from(truth), kMount);
   const auto hypotheses = filter.hypotheses();
   ASSERT_EQ(hypotheses.size(), 1U);
   EXPECT_NEAR(hypotheses.front().mean.x, 1.0, 0.1);
+}
+
+TEST(HypothesisFilter, TakesNoMoreParticlesThanItIsTold) {
+  HypothesisFilter filter(HypothesisFilterOptions{}, 1);
+  filter.add({}, spread(0.3), 0.0, 70);
+  EXPECT_EQ(filter.particle_count(), 70);
+  filter.add({1.0, 1.0, 0.0}, spread(0.3), 0.0, 7);
+  EXPECT_EQ(filter.particle_count(), 77);
+}
+
+TEST(HypothesisFilter, GivesUpAPlaceWhoseBeamsWouldHaveGoneThroughWalls) {
+  common::OccupancyGrid grid = square();
+  // Two halves that look the same from the ends of the beams, and a screen in the right one.
+  for (int row = 0; row < 100; ++row) grid.cells[static_cast<std::size_t>(row * 100 + 50)] = 100;
+  for (int row = 30; row < 70; ++row) grid.cells[static_cast<std::size_t>(row * 100 + 75)] = 100;
+  const LikelihoodField field(grid, 1.0);
+  const BeamModel model(field, BeamModelOptions{});
+  const common::Pose2 left{-3.0, 0.0, 0.0}, right{1.9, 0.0, 0.0};
+  std::vector<Eigen::Vector2d> points;  // of the wall 3 m ahead
+  for (int i = -20; i <= 20; ++i) points.emplace_back(3.05, 0.05 * i);
+  EXPECT_NEAR(model.log_likelihood(points, left), model.log_likelihood(points, right), 1e-6);
+  HypothesisFilter filter(HypothesisFilterOptions{}, 1);
+  filter.add(left, spread(0.02), 0.0, kMost);
+  filter.add(right, spread(0.02), 0.0, kMost);
+  for (int i = 0; i < 3; ++i) filter.weigh(model, points, kMount);
+  EXPECT_NEAR(filter.hypotheses().front().mean.x, left.x, 0.1);
+  EXPECT_GT(filter.hypotheses().front().mass, 0.99);
 }
 
 TEST(HypothesisFilter, JoinsPlacesThatMeetUnderTheOlderId) {
@@ -115,9 +145,9 @@ TEST(HypothesisFilter, JoinsPlacesThatMeetUnderTheOlderId) {
   const BeamModel model(field, BeamModelOptions{});
   HypothesisFilter filter(HypothesisFilterOptions{}, 1);
   const common::Pose2 truth{1.0, -2.0, 0.3};
-  filter.add({1.15, -2.0, 0.3}, spread(0.01), 0.0);
-  filter.add(truth, spread(0.01), 0.0);
-  filter.weigh(model, beams_from(truth));
+  filter.add({1.15, -2.0, 0.3}, spread(0.01), 0.0, kMost);
+  filter.add(truth, spread(0.01), 0.0, kMost);
+  filter.weigh(model, beams_from(truth), kMount);
   ASSERT_EQ(filter.hypotheses().size(), 1U);
   EXPECT_EQ(filter.hypotheses().front().id, 0);
   EXPECT_NEAR(filter.hypotheses().front().mean.x, 1.0, 0.05);
@@ -128,7 +158,9 @@ LocalizationEvidence evidence(double seconds, double agreement, double mass = 1.
 }
 
 TEST(LocalizationMonitor, ClaimsASearchedPoseOnlyAfterTheSameHypothesisHeldWhileDriving) {
-  LocalizationMonitor monitor{LocalizationMonitorOptions{}};
+  LocalizationMonitorOptions options;
+  options.confirm_distance = 0.5;
+  LocalizationMonitor monitor{options};
   for (int i = 0; i < 5; ++i) {
     monitor.add(evidence(0.1 * i, 0.9));
     EXPECT_EQ(monitor.state(), TrackingState::kLost) << i;

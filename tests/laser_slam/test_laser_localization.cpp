@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "laser_slam/pose_search.hpp"
+#include "drawn_map.hpp"
 #include "laser_slam/surface_map.hpp"
 #include "synthetic_room.hpp"
 
@@ -23,34 +24,6 @@ using common::TrackingState;
 using ::testing::HasSubstr;
 
 constexpr common::Nanoseconds kPeriod = common::kNanosecondsPerSecond / 10;
-
-/// Walls as cells, the space within the outer box free: as a perfect mapper would draw it.
-common::OccupancyGrid draw(const testing::Walls& walls, double x0, double y0, double x1, double y1) {
-  common::OccupancyGrid grid;
-  grid.resolution = 0.05;
-  grid.origin = {x0 - 0.2, y0 - 0.2};
-  grid.width = static_cast<int>((x1 - x0 + 0.4) / 0.05);
-  grid.height = static_cast<int>((y1 - y0 + 0.4) / 0.05);
-  grid.cells.assign(static_cast<std::size_t>(grid.width * grid.height), common::OccupancyGrid::kUnknown);
-  const auto at = [&](double x, double y) -> std::int8_t& {
-    const int column = static_cast<int>((x - grid.origin.x()) / 0.05);
-    const int row = static_cast<int>((y - grid.origin.y()) / 0.05);
-    return grid.cells[static_cast<std::size_t>(row * grid.width + column)];
-  };
-  for (double x = x0; x < x1; x += 0.04) {
-    for (double y = y0; y < y1; y += 0.04) at(x, y) = 0;
-  }
-  for (const auto& [a, b] : walls) {
-    const int steps = static_cast<int>((b - a).norm() / 0.01);
-    for (int i = 0; i <= steps; ++i) {
-      const Eigen::Vector2d p = a + (b - a) * (static_cast<double>(i) / std::max(1, steps));
-      at(p.x(), p.y()) = 100;
-    }
-  }
-  return grid;
-}
-
-LocalizationMap room_map() { return {"room", draw(testing::room(), -3.03, -2.02, 5.02, 4.01), {}}; }
 
 /// A plain rectangle: turned by half it looks the same.
 testing::Walls rectangle() {
@@ -119,7 +92,7 @@ class Robot {
 };
 
 TEST(LaserLocalization, TracksFromAGivenPose) {
-  Robot robot(testing::room(), room_map());
+  Robot robot(testing::room(), testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
   robot.module().execute(common::SetPose{{1.15, 0.4, 0.25}, Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal()});
   robot.drive(80);
@@ -135,7 +108,7 @@ TEST(LaserLocalization, TracksFromAGivenPose) {
 
 TEST(LaserLocalization, IsLostUntilAGlobalStartIsProvedByDriving) {
   for (const Pose2& start : {Pose2{1.0, 0.5, 0.2}, Pose2{-2.0, 2.5, -2.0}, Pose2{3.5, -1.0, 1.5}}) {
-    Robot robot(testing::room(), room_map());
+    Robot robot(testing::room(), testing::room_map());
     robot.truth = start;
     EXPECT_EQ(robot.step({}).state, TrackingState::kLost);
     const int found = robot.drive(100, TrackingState::kTracking, {0.02, 0.0, 0.06});
@@ -145,13 +118,13 @@ TEST(LaserLocalization, IsLostUntilAGlobalStartIsProvedByDriving) {
 }
 
 TEST(LaserLocalization, ClaimsNothingWhileItStands) {
-  Robot robot(testing::room(), room_map());
+  Robot robot(testing::room(), testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
   EXPECT_EQ(robot.drive(60, TrackingState::kTracking, {}), -1);
 }
 
 TEST(LaserLocalization, NoticesThatItWasCarriedAndFindsItselfAgain) {
-  Robot robot(testing::room(), room_map());
+  Robot robot(testing::room(), testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
   ASSERT_NE(robot.drive(100, TrackingState::kTracking), -1);
   robot.carry_to({-1.8, 2.6, -1.2});
@@ -167,13 +140,13 @@ TEST(LaserLocalization, NoticesThatItWasCarriedAndFindsItselfAgain) {
 }
 
 TEST(LaserLocalization, DoesNotClaimOneOfTwoPlacesThatLookTheSame) {
-  Robot robot(rectangle(), {"rectangle", draw(rectangle(), -4.03, -2.52, 4.03, 2.52), {}});
+  Robot robot(rectangle(), {"rectangle", testing::draw(rectangle(), -4.03, -2.52, 4.03, 2.52), {}});
   robot.truth = {1.5, 0.7, 0.4};
   EXPECT_EQ(robot.drive(200, TrackingState::kTracking, {0.04, 0.0, 0.06}), -1);
 }
 
 TEST(LaserLocalization, BecomesUncertainWhereScansCannotTellWhetherItWasCarried) {
-  Robot robot(rectangle(), {"rectangle", draw(rectangle(), -4.03, -2.52, 4.03, 2.52), {}});
+  Robot robot(rectangle(), {"rectangle", testing::draw(rectangle(), -4.03, -2.52, 4.03, 2.52), {}});
   robot.truth = {1.5, 0.7, 0.4};
   robot.module().execute(common::SetPose{robot.truth, Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal()});
   robot.drive(30);
@@ -188,7 +161,7 @@ TEST(LaserLocalization, PutsUpWithPeople) {
   for (const Eigen::Vector2d& p : {Eigen::Vector2d(0.3, 2.0), Eigen::Vector2d(2.2, -0.9), Eigen::Vector2d(2.9, 1.1)}) {
     testing::add_box(crowded, p.x(), p.y(), p.x() + 0.45, p.y() + 0.45);
   }
-  Robot robot(crowded, room_map());
+  Robot robot(crowded, testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
   EXPECT_NE(robot.drive(60, TrackingState::kTracking), -1);
   robot.drive(40);
@@ -197,13 +170,13 @@ TEST(LaserLocalization, PutsUpWithPeople) {
 }
 
 TEST(LaserLocalization, StaysLostOutsideTheMap) {
-  Robot robot(testing::ring(), room_map());
+  Robot robot(testing::ring(), testing::room_map());
   robot.truth = {0.0, 5.0, 1.5};
   EXPECT_EQ(robot.drive(80, TrackingState::kTracking, {0.03, 0.0, 0.0}), -1);
 }
 
 TEST(LaserLocalization, RelocaliseForgetsThePoseAndResetBeginsAnEpochInTheSameMap) {
-  Robot robot(testing::room(), room_map());
+  Robot robot(testing::room(), testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
   ASSERT_NE(robot.drive(100, TrackingState::kTracking), -1);
   EXPECT_EQ(robot.estimate.map_epoch, 0U);
@@ -220,7 +193,7 @@ TEST(LaserLocalization, RelocaliseForgetsThePoseAndResetBeginsAnEpochInTheSameMa
 }
 
 TEST(LaserLocalization, AWrongPoseFromOutsideIsNotBelievedForLong) {
-  Robot robot(testing::room(), room_map());
+  Robot robot(testing::room(), testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
   robot.module().execute(common::SetPose{{-2.0, 3.0, 2.5}, Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()});
   EXPECT_NE(robot.step({}).state, TrackingState::kTracking);
@@ -228,8 +201,75 @@ TEST(LaserLocalization, AWrongPoseFromOutsideIsNotBelievedForLong) {
   EXPECT_LT(robot.error(), 0.05);
 }
 
+TEST(LaserLocalization, AnswersAPoseItCannotTakeWithAnEventAndGoesOn) {
+  const Pose2 good{1.0, 0.5, 0.2};
+  const Eigen::Matrix3d narrow = Eigen::Vector3d(0.01, 0.01, 0.001).asDiagonal();
+  Eigen::Matrix3d indefinite = narrow;
+  indefinite(0, 1) = indefinite(1, 0) = 1.0;
+  const std::vector<common::SetPose> bad = {{{NAN, 0.0, 0.0}, narrow},
+                                            {{0.0, 0.0, HUGE_VAL}, narrow},
+                                            {{1e9, 0.0, 0.0}, narrow},
+                                            {good, Eigen::Matrix3d::Constant(NAN)},
+                                            {good, indefinite}};
+  Robot robot(testing::room(), testing::room_map());
+  robot.truth = good;
+  robot.module().execute(common::SetPose{good, narrow});
+  robot.drive(10);
+  ASSERT_EQ(robot.estimate.state, TrackingState::kTracking);
+  for (const common::SetPose& command : bad) {
+    robot.module().execute(command);
+    robot.step({0.04, 0.0, 0.04});
+    ASSERT_EQ(robot.estimate.events.size(), 1U);
+    EXPECT_EQ(robot.estimate.events[0].kind, "set_pose_refused");
+    EXPECT_EQ(robot.estimate.state, TrackingState::kTracking) << "nothing else changed";
+    EXPECT_LT(robot.error(), 0.05);
+  }
+}
+
+TEST(LaserLocalization, TakesAWideCovarianceAtItsWordAndAHeadingBeyondAFullTurn) {
+  Robot robot(testing::room(), testing::room_map());
+  robot.truth = {1.0, 0.5, 0.2};
+  robot.module().execute(common::SetPose{{1.4, 0.1, 0.2 + 2.0 * M_PI}, Eigen::Vector3d(0.25, 0.25, 0.07).asDiagonal()});
+  EXPECT_NE(robot.step({}).state, TrackingState::kLost) << "told from outside, to be verified";
+  ASSERT_NE(robot.drive(30, TrackingState::kTracking), -1);
+  EXPECT_LT(robot.error(), 0.05);
+}
+
+TEST(LaserLocalization, RejectsOdometryThatIsImpossiblyFarAway) {
+  Robot robot(testing::room(), testing::room_map());
+  for (const double far : {1e300, -1e12, static_cast<double>(NAN)}) {
+    EXPECT_TRUE(robot.module().process(common::WheelOdometry{0, "odom0", {0.0, far, 0.0}, 0.0, 0.0}).rejected);
+  }
+}
+
+TEST(LaserLocalization, IsFoundSoonThoughTheWholeMapIsSearchedAgainMeanwhile) {
+  Robot robot(testing::ring(), {"ring", testing::draw(testing::ring(), -1.0, -1.0, 13.0, 13.0), {}});
+  robot.truth = {0.1, 2.0, 1.5};
+  // 0.05 m a scan, and a search each second and 0.2 m: proved after 0.35 m and not much later.
+  const int found = robot.drive(60, TrackingState::kTracking, {0.05, 0.0, 0.0});
+  ASSERT_NE(found, -1);
+  EXPECT_LT(found, 30);
+  EXPECT_LT(robot.error(), 0.1);
+}
+
+TEST(LaserLocalization, TellsTheHypothesesOfTheLastScan) {
+  Robot robot(rectangle(), {"rectangle", testing::draw(rectangle(), -4.03, -2.52, 4.03, 2.52), {}});
+  robot.truth = {1.5, 0.7, 0.4};
+  EXPECT_TRUE(robot.module().hypotheses().empty());
+  robot.drive(20, std::nullopt, {0.04, 0.0, 0.06});
+  const auto hypotheses = robot.module().hypotheses();
+  ASSERT_GE(hypotheses.size(), 2U) << "turned by half it looks the same";
+  double mass = 0.0;
+  for (const Hypothesis& hypothesis : hypotheses) mass += hypothesis.mass;
+  EXPECT_NEAR(mass, 1.0, 1e-9);
+  const Pose2 turned{-robot.truth.x, -robot.truth.y, robot.truth.theta + M_PI};
+  const double nearest = std::min(testing::distance(hypotheses.front().mean, robot.truth),
+                                  testing::distance(hypotheses.front().mean, turned));
+  EXPECT_LT(nearest, 0.15);
+}
+
 TEST(LaserLocalization, KnowsInHindsightWhereItBegan) {
-  Robot robot(testing::room(), room_map());
+  Robot robot(testing::room(), testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
   const Pose2 begin = robot.truth;
   robot.step({});
@@ -240,7 +280,7 @@ TEST(LaserLocalization, KnowsInHindsightWhereItBegan) {
 }
 
 TEST(LaserLocalization, DoesTheSameTwiceAndDependsOnTheSeedOnlyInside) {
-  Robot one(testing::room(), room_map(), 7), two(testing::room(), room_map(), 7);
+  Robot one(testing::room(), testing::room_map(), 7), two(testing::room(), testing::room_map(), 7);
   for (Robot* robot : {&one, &two}) {
     robot->truth = {1.0, 0.5, 0.2};
     robot->drive(50);
@@ -257,36 +297,15 @@ TEST(LaserLocalization, RefusesAMapWithNothingInItAndABrokenState) {
   const auto create = [](const LocalizationMap& map) {
     return LaserLocalization::create(LaserSlamOptions{}, "laser0", testing::full_circle_laser(), map, 1);
   };
-  LocalizationMap empty = room_map();
+  LocalizationMap empty = testing::room_map();
   std::fill(empty.grid.cells.begin(), empty.grid.cells.end(), std::int8_t{0});
   const auto no_wall = create(empty);
   ASSERT_FALSE(no_wall);
   EXPECT_THAT(no_wall.error().message, HasSubstr("room"));
-  LocalizationMap broken = room_map();
+  LocalizationMap broken = testing::room_map();
   broken.laser_state = "not a state";
   EXPECT_FALSE(create(broken));
   EXPECT_FALSE(create(LocalizationMap{}));
-}
-
-TEST(PoseSearch, FindsThePoseAmongTheBestOfAWholeMap) {
-  const LocalizationMap map = room_map();
-  const LikelihoodField field(map.grid, 1.0);
-  const PoseSearch search(field, BeamModelOptions{}, PoseSearchOptions{});
-  const Pose2 truth{3.3, 1.4, -2.2};
-  std::vector<Eigen::Vector2d> points;
-  for (int i = 0; i < 90; ++i) {
-    const double bearing = i * 2.0 * M_PI / 90.0;
-    const double range = testing::cast(testing::room(), truth.translation(), truth.theta + bearing);
-    points.emplace_back(range * std::cos(bearing), range * std::sin(bearing));
-  }
-  const auto found = search.search(points);
-  ASSERT_FALSE(found.empty());
-  EXPECT_LT(testing::distance(found.front().pose, truth), 0.08);
-  EXPECT_LT(std::abs(common::angle_difference(found.front().pose.theta, truth.theta)), 0.04);
-  EXPECT_TRUE(std::is_sorted(found.begin(), found.end(), [](const PoseCandidate& a, const PoseCandidate& b) {
-    return a.log_likelihood > b.log_likelihood;
-  }));
-  EXPECT_TRUE(search.search({}).empty());
 }
 
 TEST(SurfaceMap, KnowsWallsWhereverTheGridsCornerLies) {
@@ -296,12 +315,47 @@ TEST(SurfaceMap, KnowsWallsWhereverTheGridsCornerLies) {
   grid.height = 2;
   grid.origin = {-7.13, 2.52};
   grid.cells = {0, 100, -1, 0, 0, 0};
-  const GridMap map = surface_map(grid, MapOptions{});
+  const auto made = surface_map(grid, MapOptions{});
+  ASSERT_TRUE(made);
+  const GridMap& map = *made;
   const Surface surface = map.surface_at({-6.98, 2.57}, 2);
   ASSERT_GT(surface.weight, 0.0);
   EXPECT_NEAR(surface.mean.x(), -6.98, 1e-4);
   EXPECT_NEAR(surface.mean.y(), 2.57, 1e-4);
   EXPECT_EQ(map.surface_at({-6.5, 3.2}, 2).weight, 0.0);
+}
+
+TEST(SurfaceMap, RefusesAGridNoMapCanBe) {
+  const auto refused = [](const std::function<void(common::OccupancyGrid&)>& spoil, const char* why) {
+    common::OccupancyGrid grid;
+    grid.width = grid.height = 2;
+    grid.cells.assign(4, 100);
+    ASSERT_TRUE(surface_map(grid, MapOptions{}));
+    spoil(grid);
+    const auto made = surface_map(grid, MapOptions{});
+    ASSERT_FALSE(made) << why;
+    EXPECT_THAT(made.error().message, HasSubstr(why));
+    const auto localization = LaserLocalization::create(LaserSlamOptions{}, "laser0", testing::full_circle_laser(),
+                                                        {"spoilt", std::move(grid), {}}, 1);
+    ASSERT_FALSE(localization) << why;
+    EXPECT_THAT(localization.error().message, HasSubstr("spoilt: "));
+    EXPECT_THAT(localization.error().message, HasSubstr(why));
+  };
+  refused([](auto& grid) { grid.resolution = 0.0; }, "cells are 0 m wide");
+  refused([](auto& grid) { grid.resolution = NAN; }, "cells are nan m wide");
+  refused([](auto& grid) { grid.cells.pop_back(); }, "has 3 cells");
+  refused([](auto& grid) { grid.width = 0; }, "the grid is 0 x 2");
+  refused([](auto& grid) { grid.origin.x() = 30000.0; }, "allowed is up to 20000 m");
+  refused([](auto& grid) { grid.origin.y() = NAN; }, "allowed is up to 20000 m");
+  // Larger than a map may be, though it fits in memory.
+  refused(
+      [](auto& grid) {
+        grid.resolution = 0.0005;
+        grid.width = 36'000'000;
+        grid.height = 1;
+        grid.cells.assign(static_cast<std::size_t>(grid.width), 100);
+      },
+      "allowed are up to 1048576 tiles");
 }
 
 }  // namespace

@@ -75,9 +75,61 @@ TEST(LikelihoodField, SeesAWallAcrossALineAndNothingElse) {
   common::OccupancyGrid grid = grid_of(60, 60, 0);
   for (int row = 0; row < 60; ++row) cell(grid, 30, row) = 100;
   const LikelihoodField field(grid, 1.0);
-  EXPECT_TRUE(field.is_blocked(centre(grid, 5, 10), centre(grid, 55, 50)));
-  EXPECT_FALSE(field.is_blocked(centre(grid, 5, 10), centre(grid, 28, 50)));
-  EXPECT_FALSE(field.is_blocked(centre(grid, 5, 5), centre(grid, 5, 5)));
+  EXPECT_TRUE(field.passes_wall(centre(grid, 5, 10), centre(grid, 55, 50), 0.2));
+  EXPECT_FALSE(field.passes_wall(centre(grid, 5, 10), centre(grid, 28, 50), 0.2));
+  EXPECT_FALSE(field.passes_wall(centre(grid, 5, 5), centre(grid, 5, 5), 0.2));
+  EXPECT_FALSE(field.passes_wall(centre(grid, 5, 20), centre(grid, 31, 20), 0.2)) << "ends at the wall";
+  EXPECT_FALSE(field.passes_wall(centre(grid, 30, 5), centre(grid, 31, 55), 0.2)) << "grazes it";
+}
+
+/// Looks at every half cell.
+bool passes_wall_plainly(const LikelihoodField& field, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                         double beyond) {
+  const int steps = static_cast<int>(std::ceil(2.0 * (to - from).norm() / field.resolution()));
+  bool met = false;
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector2d point = from + (to - from) * (static_cast<double>(i) / steps);
+    if (met && field.distance_at(point) >= beyond) return true;
+    met = met || LikelihoodField::is_occupied(field.code_at(point));
+  }
+  return false;
+}
+
+TEST(LikelihoodField, LeavesOutNoWallWhereItLeavesOutSteps) {
+  common::OccupancyGrid grid = grid_of(90, 70, 0);
+  RandomStream random(11, 0);
+  for (int i = 0; i < 60; ++i) {
+    const int column = static_cast<int>(random.uniform() * 90), row = static_cast<int>(random.uniform() * 60);
+    for (int k = 0; k < 8; ++k) cell(grid, column, row + k) = 100;
+  }
+  const LikelihoodField field(grid, 1.0);
+  const auto anywhere = [&] {
+    return Eigen::Vector2d(grid.origin + 0.1 * Eigen::Vector2d(random.uniform() * 90, random.uniform() * 70));
+  };
+  int through = 0;
+  const int tried = 2000;
+  for (int i = 0; i < tried; ++i) {
+    const Eigen::Vector2d from = anywhere(), to = anywhere();
+    const bool expected = passes_wall_plainly(field, from, to, 0.2);
+    EXPECT_EQ(field.passes_wall(from, to, 0.2), expected) << from.transpose() << " to " << to.transpose();
+    through += expected ? 1 : 0;
+  }
+  EXPECT_GT(through, tried / 5);
+  EXPECT_LT(through, tried * 4 / 5);
+}
+
+TEST(BeamModel, BelievesInGlassButNotInAWholeScanThroughWalls) {
+  common::OccupancyGrid grid = grid_of(60, 60, 0);
+  for (int row = 0; row < 60; ++row) cell(grid, 30, row) = cell(grid, 50, row) = 100;
+  const LikelihoodField field(grid, 1.0);
+  const BeamModel model(field, BeamModelOptions{});
+  const common::Pose2 pose{centre(grid, 10, 30).x(), centre(grid, 10, 30).y(), 0.0};
+  const auto traced = [&](double x) { return model.traced_log_likelihood({{x, 0.0}}, {0.0, 0.0}, pose); };
+  EXPECT_NEAR(traced(2.0), 0.0, 0.1) << "the first wall";
+  EXPECT_EQ(traced(2.0), model.log_likelihood({{2.0, 0.0}}, pose));
+  EXPECT_NEAR(traced(4.0), std::log(0.2 / 1.2), 0.1) << "the second wall through the first";
+  EXPECT_NEAR(traced(3.0), std::log(0.05 / 1.05), 1e-6) << "nothing behind the first wall";
+  EXPECT_NEAR(traced(1.0), std::log(0.2 / 1.2), 0.1) << "a person";
 }
 
 TEST(BeamModel, PunishesABeamThatMeetsAPersonLessThanOneThatLeavesTheMap) {
