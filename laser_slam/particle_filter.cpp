@@ -17,8 +17,7 @@
 namespace slamfuse::laser_slam {
 namespace {
 
-/// How many random numbers of one step a seed's streams can be apart.
-constexpr std::uint64_t kResamplingStream = 0;
+constexpr std::uint64_t kResamplingStream = 0;  // the particle slots' streams follow
 
 }  // namespace
 
@@ -46,10 +45,12 @@ void ParticleFilter::start(const common::Pose2& pose, const GridMap& map) {
 void ParticleFilter::scatter(const common::Pose2& mean, const Eigen::Matrix3d& covariance) {
   const std::vector<int> parents(streams_.size(), best_);
   const Particle parent = best();
+  const bool mapped = parent.map.known_at(mean.translation());
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     particles_[i] = parent;
     particles_[i].log_weight = 0.0;
     particles_[i].pose = i == 0 ? mean : draw_pose(mean, covariance, streams_[i]);
+    if (mapped && !parent.map.known_at(particles_[i].pose.translation())) particles_[i].pose = mean;
   }
   best_ = 0;
   effective_ = settings_.particles;

@@ -53,7 +53,8 @@ class ParticleFilter {
 
   /// All particles at `pose` with this map and equal weights. Starts a new path.
   void start(const common::Pose2& pose, const GridMap& map);
-  /// All particles drawn around `mean` in the best particle's map; the paths so far stay.
+  /// All particles drawn around `mean` in the best particle's map; the paths so far stay. Those that fall on ground not
+  /// mapped start at `mean` when that is mapped: where nothing is known no scan contradicts them.
   void scatter(const common::Pose2& mean, const Eigen::Matrix3d& covariance);
 
   /// One step. `path_length` [m] is stamped on the map; with `map_scan` false the scan weighs but is not drawn.

@@ -14,7 +14,7 @@ struct ScanMatcherOptions {
   int max_iterations = 12;
   int max_beams = 360;
   double rematch_agreement = 0.6;
-  double rematch_evidence = 8.0;
+  double rematch_evidence = 5.4;
   double search_distance = 0.6;
   double search_angle = 0.5;
 

@@ -263,7 +263,7 @@ TEST(LaserSlam, StaysWithGoodOdometryWhenItsLaserIsSparse) {
     DriveSettings settings;
     settings.options = few_particles();
     settings.laser = testing::full_circle_laser(beams);
-    EXPECT_LT(drive(circle(60), settings).worst_error(), 0.08) << beams << " beams";
+    EXPECT_LT(drive(circle(60), settings).worst_error(), 0.15) << beams << " beams";
   }
 }
 
