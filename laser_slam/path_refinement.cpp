@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "laser_slam/parallel_for.hpp"
@@ -14,6 +13,7 @@ namespace slamfuse::laser_slam {
 namespace {
 
 constexpr double kEnoughKnown = 0.5;    // share of a scan's points a submap must cover
+constexpr int kSearchEvery = 4;         // keyframes: how often a wide search may be tried
 constexpr double kPriorPosition = 0.3;  // [m] how far a loop may be from where the path has it now
 constexpr double kPriorHeading = 0.2;   // [rad] the same
 
@@ -45,7 +45,17 @@ class LoopSearch {
     if (near.empty()) return loops;
     const std::vector<Eigen::Vector2d> points = frame.scan.restore().match_points;
     for (const int submap : near) {
-      if (auto loop = match(submap, keyframe, points, poses)) loops.push_back(*loop);
+      const common::Pose2 start = expected(submap, keyframe, poses);
+      const ScanMatch match = matcher_.match(map_of(submap), points, start, loose_prior(start));
+      if (agrees(match.fit, points, options_.least_agreement)) {
+        loops.push_back(loop(submap, keyframe, match, poses));
+      }
+    }
+    if (loops.empty() && keyframe % kSearchEvery == 0) {
+      // Where the drift is wider than the matcher's basin. A wide search finds wrong places more easily.
+      const int submap = near.front();
+      const ScanMatch match = matcher_.search(map_of(submap), points, expected(submap, keyframe, poses));
+      if (agrees(match.fit, points, options_.search_agreement)) loops.push_back(loop(submap, keyframe, match, poses));
     }
     return loops;
   }
@@ -75,23 +85,24 @@ class LoopSearch {
     return result;
   }
 
-  std::optional<PoseConstraint> match(int submap, int keyframe, const std::vector<Eigen::Vector2d>& points,
-                                      const GraphPoses& poses) const {
-    const common::Pose2 start = poses.of_submap(submap).inverse() * poses.of_keyframe(keyframe);
-    PosePrior prior{start, {}};
-    prior.information = Eigen::Vector3d(1.0 / (kPriorPosition * kPriorPosition),
-                                        1.0 / (kPriorPosition * kPriorPosition), 1.0 / (kPriorHeading * kPriorHeading))
-                            .asDiagonal();
-    const ScanMatch match = matcher_.match(local_.submaps[static_cast<std::size_t>(submap)].map, points, start, prior);
-    if (match.fit.known < kEnoughKnown * static_cast<double>(points.size())) return std::nullopt;
-    if (match.fit.agreement < options_.least_agreement) return std::nullopt;
-    PoseConstraint loop;
-    loop.from = static_cast<int>(poses.keyframes) + submap;
-    loop.to = keyframe;
-    loop.measured = match.pose;
-    loop.information = matcher_.gain() * match.fit.information;
-    loop.loop = true;
-    return loop;
+  const GridMap& map_of(int submap) const { return local_.submaps[static_cast<std::size_t>(submap)].map; }
+
+  static common::Pose2 expected(int submap, int keyframe, const GraphPoses& poses) {
+    return poses.of_submap(submap).inverse() * poses.of_keyframe(keyframe);
+  }
+
+  static PosePrior loose_prior(const common::Pose2& mean) {
+    const Eigen::Array3d deviations(kPriorPosition, kPriorPosition, kPriorHeading);
+    return {mean, deviations.square().inverse().matrix().asDiagonal()};
+  }
+
+  static bool agrees(const ScanFit& fit, const std::vector<Eigen::Vector2d>& points, double least_agreement) {
+    return fit.known >= kEnoughKnown * static_cast<double>(points.size()) && fit.agreement >= least_agreement;
+  }
+
+  PoseConstraint loop(int submap, int keyframe, const ScanMatch& match, const GraphPoses& poses) const {
+    return {static_cast<int>(poses.keyframes) + submap, keyframe, match.pose, matcher_.gain() * match.fit.information,
+            true};
   }
 
   const std::vector<Keyframe>& keyframes_;

@@ -9,10 +9,11 @@ namespace slamfuse::laser_slam {
 struct RefinementOptions {
   bool enabled = true;
   int submap_scans = 20;
-  int rounds = 2;
+  int rounds = 3;
   double reach = 3.0;
   int submaps_per_scan = 3;
   double least_agreement = 0.55;
+  double search_agreement = 0.7;
   double loop_outlier = 3.0;
 
   void describe(common::OptionVisitor& visit) {
@@ -25,6 +26,8 @@ struct RefinementOptions {
     visit.integer("submaps_per_scan", submaps_per_scan, {1, 100}, "", "With how many of them at most.");
     visit.real("least_agreement", least_agreement, {0.0, 1.0}, "",
                "Agreement a scan must have with them to be a loop.");
+    visit.real("search_agreement", search_agreement, {0.0, 1.0}, "",
+               "The same where it was looked for around, in the window of the scan matcher.");
     visit.real("loop_outlier", loop_outlier, {0.1, 1000.0}, "sigma",
                "Loops that miss by more than this count less and less (Cauchy's loss).");
   }

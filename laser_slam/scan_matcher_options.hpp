@@ -14,7 +14,7 @@ struct ScanMatcherOptions {
   int max_iterations = 12;
   int max_beams = 360;
   double rematch_agreement = 0.6;
-  double rematch_evidence = 5.4;
+  double rematch_gain = 0.3;
   double search_distance = 0.6;
   double search_angle = 0.5;
 
@@ -30,8 +30,8 @@ struct ScanMatcherOptions {
     visit.integer("max_beams", max_beams, {10, 100000}, "", "Beams used; denser scans are thinned evenly.");
     visit.real("rematch_agreement", rematch_agreement, {0.0, 1.0}, "",
                "Below this agreement other starts and a search around the prediction are tried.");
-    visit.real("rematch_evidence", rematch_evidence, {0.0, 1000.0}, "nat",
-               "How much likelier the scan must be, its beams tempered, to follow the match away from the odometry.");
+    visit.real("rematch_gain", rematch_gain, {0.0, 5.0}, "nat/beam",
+               "How much likelier a beam must be on average to follow the match away from the odometry.");
     visit.real("search_distance", search_distance, {0.0, 5.0}, "m", "Half-width of that search.");
     visit.real("search_angle", search_angle, {0.0, 3.2}, "rad", "Half-width of that search in heading.");
   }

@@ -14,6 +14,8 @@ namespace {
 /// A motion that differs so much [m, rad] from the last speed is checked against it: half the matcher's basin. There
 /// are logs in which the odometry counts forward while the robot backs up (fr079).
 constexpr double kSurprise = 0.05;
+/// A scan of fewer beams must be likelier by as much as one of so many: a few beams meet something in many places.
+constexpr double kFewestBeams = 180.0;
 constexpr double kEnoughKnown = 0.3;  // share of the beams in mapped space for their agreement to count
 
 }  // namespace
@@ -44,7 +46,7 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
     // fast to be true that leads out of the map has nothing to speak for it.
     const bool astray = prediction.suspicious && tracked.match.fit.known < enough;
     double to_beat =
-        astray ? -HUGE_VAL : tracked.match.fit.log_likelihood + matching_.rematch_evidence / matcher_.gain();
+        astray ? -HUGE_VAL : tracked.match.fit.log_likelihood + matching_.rematch_gain * std::max(beams, kFewestBeams);
     const auto consider = [&](const ScanMatch& other) {
       if (other.fit.log_likelihood <= to_beat || (astray && other.fit.known < enough)) return;
       const common::Pose2 apart = prior.mean.inverse() * other.pose;

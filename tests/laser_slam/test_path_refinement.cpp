@@ -91,7 +91,7 @@ TEST(RefinePath, SpreadsWhatTheFilterLeftAtTheLoop) {
   std::vector<Pose2> filtered = drive.odometry;
   for (std::size_t i = half; i < filtered.size(); ++i) filtered[i] = drive.truth[i];
   const double before = rms(filtered, drive.truth);
-  ASSERT_GT(before, 0.1);
+  ASSERT_GT(before, 0.05);
   const auto refined = refine_path(drive.keyframes, filtered, matcher(), {}, {}, 10.0, 2);
   ASSERT_EQ(refined.size(), filtered.size());
   EXPECT_EQ(refined[0].vector(), filtered[0].vector());
