@@ -9,6 +9,7 @@ void LocalizationMonitor::lose() {
   state_ = TrackingState::kLost;
   hypothesis_.reset();
   held_ = 0.0;
+  held_scans_ = 0;
   low_since_.reset();
 }
 
@@ -37,7 +38,8 @@ void LocalizationMonitor::search(const LocalizationEvidence& evidence, bool good
   const bool same = hypothesis_ == evidence.hypothesis;
   hypothesis_ = evidence.hypothesis;
   held_ = good && same ? held_ + evidence.driven : 0.0;
-  if (good && held_ >= options_.confirm_distance) state_ = TrackingState::kTracking;
+  held_scans_ = good && same ? held_scans_ + 1 : 0;
+  if (held_ >= options_.confirm_distance && held_scans_ >= options_.confirm_scans) state_ = TrackingState::kTracking;
 }
 
 void LocalizationMonitor::watch(const LocalizationEvidence& evidence, bool good) {

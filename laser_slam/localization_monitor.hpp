@@ -22,9 +22,9 @@ struct LocalizationEvidence {
 /// Judges whether the pose in a finished map can be relied on: from the scans' agreement with the map and from the
 /// hypotheses that stand beside it.
 ///
-/// A pose that was searched for is LOST until one hypothesis explains the scans over `confirm_distance` of driving. A
-/// known pose becomes UNCERTAIN with a doubtful scan, another probable hypothesis or a wide spread, LOST when the scans
-/// disagree for `lost_time` or another hypothesis takes over.
+/// A pose that was searched for is LOST until one hypothesis explains `confirm_scans` over `confirm_distance` of
+/// driving. A known pose becomes UNCERTAIN with a doubtful scan, another probable hypothesis or a wide spread, LOST
+/// when the scans disagree for `lost_time` or another hypothesis takes over.
 class LocalizationMonitor {
  public:
   explicit LocalizationMonitor(const LocalizationMonitorOptions& options) : options_(options) {}
@@ -47,7 +47,8 @@ class LocalizationMonitor {
   LocalizationMonitorOptions options_;
   common::TrackingState state_ = common::TrackingState::kLost;
   std::optional<int> hypothesis_;                 // that the state is about
-  double held_ = 0.0;                             // [m] it explained the scans while searching
+  double held_ = 0.0;                             // [m] it explained the scans while searching ...
+  int held_scans_ = 0;                            // ... and how many
   std::optional<common::Nanoseconds> low_since_;  // agreement below lost_agreement
   bool just_lost_ = false;
   bool just_found_ = false;

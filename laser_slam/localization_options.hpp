@@ -90,6 +90,7 @@ struct LocalizationMonitorOptions {
   double sure_mass = 0.95;
   double widest_spread = 0.3;
   double confirm_distance = 0.35;
+  int confirm_scans = 3;
 
   void describe(common::OptionVisitor& visit) {
     visit.real("good_agreement", good_agreement, {0.0, 1.0}, "",
@@ -103,6 +104,8 @@ struct LocalizationMonitorOptions {
     visit.real("confirm_distance", confirm_distance, {0.0, 10.0}, "m",
                "How far the same hypothesis must hold while driving (a radian of turning counts as half a metre) until "
                "a pose that was searched for is believed.");
+    visit.integer("confirm_scans", confirm_scans, {1, 1000}, "",
+                  "And over how many scans more at least: a fast robot drives that far between two.");
   }
 };
 

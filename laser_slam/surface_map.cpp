@@ -59,7 +59,8 @@ common::Result<GridMap> surface_map(const common::OccupancyGrid& grid, MapOption
       const int cell_x = static_cast<int>(std::floor(x));
       const int cell_y = static_cast<int>(std::floor(y));
       Tile& tile = map.tiles().write(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
-      const auto i = static_cast<std::size_t>((cell_y & kMask) * Tile::kSide + (cell_x & kMask));
+      const int cell = (cell_y & kMask) * Tile::kSide + (cell_x & kMask);
+      const auto i = static_cast<std::size_t>(cell);
       if (value < kOccupiedPercent) {
         tile.log_odds[i] = kCertainLogOdds;
         continue;

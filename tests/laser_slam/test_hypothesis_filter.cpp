@@ -172,6 +172,19 @@ TEST(LocalizationMonitor, ClaimsASearchedPoseOnlyAfterTheSameHypothesisHeldWhile
   EXPECT_EQ(monitor.state(), TrackingState::kTracking);
 }
 
+TEST(LocalizationMonitor, WaitsForSeveralScansHoweverFastTheRobotDrives) {
+  const LocalizationMonitorOptions options;
+  LocalizationMonitor monitor{options};
+  LocalizationEvidence fast = evidence(0.0, 0.9);
+  fast.driven = 2.0;
+  for (int i = 0; i < options.confirm_scans; ++i) {
+    monitor.add(fast);
+    EXPECT_EQ(monitor.state(), TrackingState::kLost) << i;
+  }
+  monitor.add(fast);
+  EXPECT_EQ(monitor.state(), TrackingState::kTracking);
+}
+
 TEST(LocalizationMonitor, NeverClaimsAPoseThatIsNotMovedOn) {
   LocalizationMonitor monitor{LocalizationMonitorOptions{}};
   LocalizationEvidence standing = evidence(0.0, 1.0);
