@@ -49,6 +49,7 @@ struct Arguments {
   std::vector<std::string> settings;
   std::string pictures;
   double pixel = 0.05;
+  std::vector<double> degenerate_within;
   bool fit_offset = false;
   std::vector<std::string> topics;           // SENSOR=TOPIC
   std::vector<std::string> sweep_durations;  // SENSOR=SECONDS
@@ -233,12 +234,19 @@ std::string relation_errors(const Input& input, const common::Trajectory2& path)
                      accuracy->distant.translation_m.mean);
 }
 
-/// Share of the scans [%] said to leave a direction open.
-double degenerate_percent(const Run& run) {
-  const auto flagged = std::count_if(run.estimates.begin(), run.estimates.end(), [](const common::PoseEstimate& e) {
-    return e.health.degenerate_direction.has_value();
-  });
-  return 100.0 * static_cast<double>(flagged) / static_cast<double>(std::max<std::size_t>(1, run.estimates.size()));
+/// Share of the scans [%] said to leave a direction open, of those whose true x [m] is within these bounds.
+double degenerate_percent(const Input& input, const Run& run, const std::vector<double>& x_bounds) {
+  int flagged = 0;
+  int counted = 0;
+  for (const common::PoseEstimate& estimate : run.estimates) {
+    if (!x_bounds.empty()) {
+      const auto truth = common::pose_at(input.truth, estimate.stamp, common::kNanosecondsPerSecond / 10);
+      if (!truth || truth->x < x_bounds[0] || truth->x > x_bounds[1]) continue;
+    }
+    ++counted;
+    if (estimate.health.degenerate_direction) ++flagged;
+  }
+  return 100.0 * flagged / std::max(1, counted);
 }
 
 /// Mean normalised squared error of the online poses per degree of freedom: 1 where the covariances are right, more
@@ -328,8 +336,9 @@ int benchmark(const Arguments& arguments) {
       fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.1f} | {:.4f} | {} | {:.1f} | {:.0f} |\n", input->name,
                  seed, ate(online), ate(final_path), relation_errors(*input, result->online),
                  relation_errors(*input, result->final_path), loops,
-                 result->events.size() - static_cast<std::size_t>(loops), degenerate_percent(*result),
-                 mean_agreement(*result), consistency(*input, *result), result->cpu_seconds, result->peak_mb);
+                 result->events.size() - static_cast<std::size_t>(loops),
+                 degenerate_percent(*input, *result, arguments.degenerate_within), mean_agreement(*result),
+                 consistency(*input, *result), result->cpu_seconds, result->peak_mb);
       std::fflush(stdout);
       if (input->fit_offset && final_path) {
         fmt::print(stderr, "{} seed {}: tracked body at ({:.4f}, {:.4f}) m, {:.2f} deg; clock {:+.4f} s\n", input->name,
@@ -363,6 +372,9 @@ int main(int argc, char** argv) {
   app.add_option("--threads", arguments.threads, "worker threads");
   app.add_option("--set", arguments.settings, "laser.key=value")->allow_extra_args(false);
   app.add_option("--pictures", arguments.pictures, "folder for maps and paths");
+  app.add_option("--degenerate-within", arguments.degenerate_within,
+                 "count the degenerate scans of true x [m] from, to")
+      ->expected(2);
   app.add_option("--pixel", arguments.pixel, "side of a picture's pixel [m]");
   app.add_flag("--fit-offset", arguments.fit_offset,
                "the truth is of another body by another clock: fit both constant offsets");

@@ -151,6 +151,7 @@ common::Result<Mapped> map_of(const Arguments& arguments, const laser_slam::Lase
   for (const common::SensorMessage& message : input->messages) {
     if (common::to_seconds(common::stamp_of(message) - begin) <= arguments.mapped_to) (*slam)->process(message);
   }
+  (*slam)->refine();
   auto state = (*slam)->serialize();
   if (!state) return tl::unexpected(state.error());
   return Mapped{{arguments.mapped, (*slam)->grid(), std::move(*state)}, (*slam)->final_trajectory()};
@@ -190,6 +191,7 @@ common::Result<laser_slam::LocalizationMap> hold_out(Input& input, const laser_s
     }
     if (scan) map_it = !map_it;
   }
+  (*slam)->refine();
   const common::Trajectory2 path = (*slam)->final_trajectory();
   for (const std::optional<std::size_t>& before : poses_before) {
     const bool between = before && *before > 0 && *before < path.size();
