@@ -44,8 +44,8 @@ class LaserSlam : public common::SlamModule {
   /// estimate.
   void execute(const common::Command& command) override;
   /// Adjusts the path of all updates so far and the map to the loops among them, see refine_path(): final_trajectory(),
-  /// grid() and serialize() then tell the adjusted ones, until the next filter update. Takes about a tenth of the time
-  /// that the run took. Does nothing where the options say so and in a map that was restored.
+  /// grid() and serialize() then tell the adjusted ones, until the next filter update. Does nothing where the options
+  /// say so and in a map that was restored.
   void refine();
   /// The refined path or the best particle's; scans between two updates are placed between them by their matched
   /// increments. Poses of earlier map epochs are left out.

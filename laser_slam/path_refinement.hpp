@@ -16,8 +16,9 @@ namespace slamfuse::laser_slam {
 /// (map_locally), loops between scans and the submaps of other times, found from where the filter put them, and a pose
 /// graph over both (optimise_poses), repeated since better poses find more loops.
 ///
-/// `poses` are those of the keyframes, T_map_base, by the best particle; the first one stays. The loops are searched by
-/// `threads` threads, whose number changes nothing but the time.
+/// `poses` are those of the keyframes, T_map_base, by the best particle; the first one stays. Scans and submaps less
+/// than `least_path_apart` [m] of path from each other make no loop. The loops are searched by `threads` threads, whose
+/// number changes nothing but the time.
 std::vector<common::Pose2> refine_path(const std::vector<Keyframe>& keyframes, const std::vector<common::Pose2>& poses,
                                        const ScanMatcher& matcher, const MapOptions& map_options,
                                        const RefinementOptions& options, double least_path_apart, int threads);

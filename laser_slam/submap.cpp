@@ -88,7 +88,7 @@ LocalMatch match_locally(const Growth& growth, const ScanMatcher& matcher, const
     best = LocalMatch{growth.frame() * match.pose, match.fit, &motion};
   }
   if (best->fit.agreement < kBelieved) {
-    // Nothing fits: the motion alone tells, and what was told first is what the filter ended with.
+    // Nothing fits: the prediction alone tells, without the match that the filter may have followed.
     best->motion = &motions.back();
     best->pose = last * best->motion->increment;
     best->fit.information.setZero();
