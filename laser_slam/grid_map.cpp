@@ -14,7 +14,17 @@ namespace {
 using LogOdds = mrpt::maps::CLogOddsGridMap2D<std::int8_t>;
 
 constexpr int kMask = Tile::kSide - 1;
+constexpr double kOffsetUnit = 1.0 / Endpoints::kOffsetUnits;  // [cells]
 constexpr int kRayMargin = 1;  // cells before an endpoint a beam does not clear: the wall itself at a slant
+
+/// The cell that holds a coordinate [cells]: std::floor, in a few instructions.
+int cell_at(double coordinate) {
+  // No map reaches so far; the bound only keeps the number an int, whatever pose is asked about.
+  constexpr double kFarthestCell = 1 << 30;
+  const double bounded = std::min(std::max(coordinate, -kFarthestCell), kFarthestCell);
+  const int towards_zero = static_cast<int>(bounded);
+  return towards_zero - (bounded < towards_zero ? 1 : 0);
+}
 
 /// When a cell was last seen, on seeing it again. After a long absence it comes only halfway: a place that comes into
 /// view bit by bit is then still old when the robot stands in it, which is what closing a loop is told by.
@@ -76,10 +86,10 @@ void for_each_occupied(const TileGrid& tiles, int center_x, int center_y, int re
 /// last one.
 template <class Visit>
 void walk_cells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Visit& visit) {
-  int x = static_cast<int>(std::floor(from.x()));
-  int y = static_cast<int>(std::floor(from.y()));
-  const int last_x = static_cast<int>(std::floor(to.x()));
-  const int last_y = static_cast<int>(std::floor(to.y()));
+  int x = cell_at(from.x());
+  int y = cell_at(from.y());
+  const int last_x = cell_at(to.x());
+  const int last_y = cell_at(to.y());
   const Eigen::Vector2d direction = to - from;
   const int step_x = direction.x() > 0.0 ? 1 : -1;
   const int step_y = direction.y() > 0.0 ? 1 : -1;
@@ -99,6 +109,30 @@ void walk_cells(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Vi
   }
 }
 
+/// The tile last written to: most cells of a beam lie in the tile of the one before.
+class WrittenTile {
+ public:
+  explicit WrittenTile(TileGrid& tiles) : tiles_(tiles) {}
+
+  /// The tile of a cell.
+  Tile& at(int cell_x, int cell_y) {
+    const int x = cell_x >> Tile::kShift;
+    const int y = cell_y >> Tile::kShift;
+    if (!tile_ || x != x_ || y != y_) {
+      tile_ = &tiles_.write(x, y);
+      x_ = x;
+      y_ = y;
+    }
+    return *tile_;
+  }
+
+ private:
+  TileGrid& tiles_;
+  Tile* tile_ = nullptr;
+  int x_ = 0;
+  int y_ = 0;
+};
+
 }  // namespace
 
 GridMap::GridMap(const MapOptions& options)
@@ -107,20 +141,12 @@ GridMap::GridMap(const MapOptions& options)
       miss_step_(step_of(1.0 - options.miss_probability)),
       occupied_below_(integer_log_odds(1.0 - options.occupied_probability)) {}
 
-int GridMap::cell_of(double metres) const {
-  // No map reaches so far; the bound only keeps the number an int, whatever pose is asked about.
-  constexpr double kFarthestCell = 1 << 30;
-  return static_cast<int>(std::clamp(std::floor(metres / options_.resolution), -kFarthestCell, kFarthestCell));
-}
-
-void GridMap::hit(int cell_x, int cell_y, const Eigen::Vector2d& point, std::uint16_t path) {
-  Tile& tile = tiles_.write(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
+void GridMap::hit(Tile& tile, int cell_x, int cell_y, const Eigen::Vector2d& point, std::uint16_t path) {
   const std::size_t i = cell_index(cell_x, cell_y);
   LogOdds::updateCell_fast_occupied(&tile.log_odds[i], hit_step_,
                                     static_cast<std::int8_t>(LogOdds::CELLTYPE_MIN + hit_step_));
   Endpoints& ends = tile.endpoints[i];
-  const Eigen::Vector2d offset =
-      (point / options_.resolution - Eigen::Vector2d(cell_x + 0.5, cell_y + 0.5)) * Endpoints::kOffsetUnits;
+  const Eigen::Vector2d offset = (point - Eigen::Vector2d(cell_x + 0.5, cell_y + 0.5)) * Endpoints::kOffsetUnits;
   if (ends.hits < options_.max_hits) ++ends.hits;
   const auto blend = [&](std::int16_t old, double value) {
     return static_cast<std::int16_t>(std::lround(old + (std::clamp(value, -30000.0, 30000.0) - old) / ends.hits));
@@ -131,8 +157,7 @@ void GridMap::hit(int cell_x, int cell_y, const Eigen::Vector2d& point, std::uin
   set_occupied(tile, cell_x, cell_y, tile.log_odds[i] < occupied_below_);
 }
 
-void GridMap::miss(int cell_x, int cell_y) {
-  Tile& tile = tiles_.write(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
+void GridMap::miss(Tile& tile, int cell_x, int cell_y) {
   const std::size_t i = cell_index(cell_x, cell_y);
   LogOdds::updateCell_fast_free(&tile.log_odds[i], miss_step_,
                                 static_cast<std::int8_t>(LogOdds::CELLTYPE_MAX - miss_step_));
@@ -165,10 +190,10 @@ void GridMap::insert(const ScanBeams& scan, const common::Pose2& pose, double pa
     rays.push_back(ray);
   }
   if (rays.empty()) return;
-  const int min_x = static_cast<int>(std::floor(low.x())) - 1;
-  const int min_y = static_cast<int>(std::floor(low.y())) - 1;
-  const int width = static_cast<int>(std::floor(high.x())) + 2 - min_x;
-  const int height = static_cast<int>(std::floor(high.y())) + 2 - min_y;
+  const int min_x = cell_at(low.x()) - 1;
+  const int min_y = cell_at(low.y()) - 1;
+  const int width = cell_at(high.x()) + 2 - min_x;
+  const int height = cell_at(high.y()) + 2 - min_y;
   if (!tiles_.include(min_x >> Tile::kShift, min_y >> Tile::kShift, (min_x + width) >> Tile::kShift,
                       (min_y + height) >> Tile::kShift)) {
     return;
@@ -182,12 +207,13 @@ void GridMap::insert(const ScanBeams& scan, const common::Pose2& pose, double pa
   };
 
   const auto path = static_cast<std::uint16_t>(std::clamp(path_length / Endpoints::kPathUnit, 0.0, 65535.0));
+  WrittenTile tile(tiles_);
   for (const Ray& ray : rays) {
     if (!ray.hit) continue;
-    const int x = static_cast<int>(std::floor(ray.to.x()));
-    const int y = static_cast<int>(std::floor(ray.to.y()));
+    const int x = cell_at(ray.to.x());
+    const int y = cell_at(ray.to.y());
     mark_at(x, y) = mark;
-    hit(x, y, ray.to * options_.resolution, path);
+    hit(tile.at(x, y), x, y, ray.to, path);
   }
   for (const Ray& ray : rays) {
     const double length = (ray.to - ray.from).norm();
@@ -198,7 +224,7 @@ void GridMap::insert(const ScanBeams& scan, const common::Pose2& pose, double pa
       std::uint32_t& cell_mark = mark_at(x, y);
       if (cell_mark == mark) return;
       cell_mark = mark;
-      miss(x, y);
+      miss(tile.at(x, y), x, y);
     });
   }
 }
@@ -206,47 +232,52 @@ void GridMap::insert(const ScanBeams& scan, const common::Pose2& pose, double pa
 Surface GridMap::surface_at(const Eigen::Vector2d& point, int reach) const {
   const double res = options_.resolution;
   const Eigen::Vector2d in_cells = point / res;
-  const double reach_squared = (reach + 0.5) * (reach + 0.5);
+  const Eigen::Vector2d from_center = Eigen::Vector2d::Constant(0.5) - in_cells;
+  const double per_reach_squared = 1.0 / ((reach + 0.5) * (reach + 0.5));
   double sum = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0, sum_yy = 0.0, sum_path = 0.0;
   // Sums about the point itself, in cells: small numbers, no cancellation.
-  for_each_occupied(tiles_, cell_of(point.x()), cell_of(point.y()), reach,
+  for_each_occupied(tiles_, cell_at(in_cells.x()), cell_at(in_cells.y()), reach,
                     [&](const Tile& tile, int cell_x, int cell_y) {
                       const Endpoints& ends = tile.endpoints[cell_index(cell_x, cell_y)];
-                      const double x = cell_x + 0.5 + ends.offset_x / Endpoints::kOffsetUnits - in_cells.x();
-                      const double y = cell_y + 0.5 + ends.offset_y / Endpoints::kOffsetUnits - in_cells.y();
-                      const double near = 1.0 - (x * x + y * y) / reach_squared;
-                      if (near <= 0.0) return;
+                      const double x = cell_x + from_center.x() + ends.offset_x * kOffsetUnit;
+                      const double y = cell_y + from_center.y() + ends.offset_y * kOffsetUnit;
+                      const double near = std::max(0.0, 1.0 - (x * x + y * y) * per_reach_squared);
                       const double weight = near * near * std::min<int>(ends.hits, kTrustedHits);
+                      const double weight_x = weight * x;
+                      const double weight_y = weight * y;
                       sum += weight;
-                      sum_x += weight * x;
-                      sum_y += weight * y;
-                      sum_xx += weight * x * x;
-                      sum_xy += weight * x * y;
-                      sum_yy += weight * y * y;
+                      sum_x += weight_x;
+                      sum_y += weight_y;
+                      sum_xx += weight_x * x;
+                      sum_xy += weight_x * y;
+                      sum_yy += weight_y * y;
                       sum_path += weight * ends.last_path;
                     });
   Surface surface;
   if (sum <= 0.0) return surface;
-  const double mean_x = sum_x / sum;
-  const double mean_y = sum_y / sum;
+  const double per_sum = 1.0 / sum;
+  const double mean_x = sum_x * per_sum;
+  const double mean_y = sum_y * per_sum;
   surface.weight = sum;
   surface.mean = point + Eigen::Vector2d(mean_x, mean_y) * res;
-  surface.xx = (sum_xx / sum - mean_x * mean_x) * res * res;
-  surface.xy = (sum_xy / sum - mean_x * mean_y) * res * res;
-  surface.yy = (sum_yy / sum - mean_y * mean_y) * res * res;
-  surface.last_path = sum_path / sum * Endpoints::kPathUnit;
+  surface.xx = (sum_xx * per_sum - mean_x * mean_x) * res * res;
+  surface.xy = (sum_xy * per_sum - mean_x * mean_y) * res * res;
+  surface.yy = (sum_yy * per_sum - mean_y * mean_y) * res * res;
+  surface.last_path = sum_path * per_sum * Endpoints::kPathUnit;
   return surface;
 }
 
 bool GridMap::occupied_near(const Eigen::Vector2d& point) const {
+  const Eigen::Vector2d in_cells = point / options_.resolution;
   bool found = false;
-  for_each_occupied(tiles_, cell_of(point.x()), cell_of(point.y()), 1, [&](const Tile&, int, int) { found = true; });
+  for_each_occupied(tiles_, cell_at(in_cells.x()), cell_at(in_cells.y()), 1,
+                    [&](const Tile&, int, int) { found = true; });
   return found;
 }
 
 bool GridMap::known_at(const Eigen::Vector2d& point) const {
-  const int cell_x = cell_of(point.x());
-  const int cell_y = cell_of(point.y());
+  const int cell_x = cell_at(point.x() / options_.resolution);
+  const int cell_y = cell_at(point.y() / options_.resolution);
   const Tile* tile = tiles_.find(cell_x >> Tile::kShift, cell_y >> Tile::kShift);
   return tile && tile->log_odds[cell_index(cell_x, cell_y)] != 0;
 }

@@ -60,9 +60,10 @@ class GridMap {
   bool known_at(const Eigen::Vector2d& point) const;
 
  private:
-  int cell_of(double metres) const;
-  void hit(int cell_x, int cell_y, const Eigen::Vector2d& point, std::uint16_t path);
-  void miss(int cell_x, int cell_y);
+  /// A beam's endpoint [cells] in a cell of the tile.
+  void hit(Tile& tile, int cell_x, int cell_y, const Eigen::Vector2d& point, std::uint16_t path);
+  /// A beam passed through a cell of the tile.
+  void miss(Tile& tile, int cell_x, int cell_y);
 
   MapOptions options_;
   std::int8_t hit_step_ = 0;  // MRPT's integer log-odds

@@ -17,15 +17,17 @@ void MotionPredictor::start(common::Nanoseconds stamp) {
   last_odometry_ = odometry_.pose_at(stamp);
   last_half_ = begun_half_;
   twist_.setZero();
+  stalled_ = 0.0;
 }
 
 MotionPrediction MotionPredictor::predict(common::Nanoseconds stamp) const {
   MotionPrediction prediction;
   prediction.seconds = common::to_seconds(stamp - last_stamp_);
+  prediction.at_most_seconds = stalled_ + prediction.seconds;
   if (const auto odometry = odometry_.pose_at(stamp); odometry && last_odometry_) {
     prediction.increment = last_odometry_->inverse() * *odometry;
     prediction.from_odometry = true;
-    prediction.suspicious = is_jump(prediction.increment, prediction.seconds, options_);
+    prediction.suspicious = is_jump(prediction.increment, prediction.at_most_seconds, options_);
     return prediction;
   }
   prediction.increment = at_last_speed(prediction.seconds);
@@ -46,6 +48,7 @@ void MotionPredictor::finish(common::Nanoseconds stamp, const MotionPrediction& 
   } else if (prediction.seconds >= kLongestStep) {
     twist_.setZero();
   }
+  stalled_ = prediction.seconds >= kLongestStep ? prediction.seconds : 0.0;
   last_half_ = begun_half_;
 }
 

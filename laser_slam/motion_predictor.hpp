@@ -14,8 +14,9 @@ namespace slamfuse::laser_slam {
 
 /// The motion expected between two scans.
 struct MotionPrediction {
-  common::Pose2 increment;  ///< T_base(last scan)_base(this scan)
-  double seconds = 0.0;     ///< between the scans; not positive where stamps step back
+  common::Pose2 increment;       ///< T_base(last scan)_base(this scan)
+  double seconds = 0.0;          ///< between the scans; not positive where stamps step back
+  double at_most_seconds = 0.0;  ///< what the motion may have taken: longer than that after a stall of the messages
   bool from_odometry = false;
   bool suspicious = false;  ///< odometry too fast to be true, see is_jump(): other motions must be considered
 };
@@ -49,6 +50,9 @@ class MotionPredictor {
   common::Nanoseconds last_stamp_ = 0;
   std::optional<common::Pose2> last_odometry_;       // as it was asked for at the last scan
   Eigen::Vector3d twist_ = Eigen::Vector3d::Zero();  // last matched speed
+  // How long nothing had come before the last scan [s]; 0 for a usual interval. What comes first after a stall often
+  // carries the odometry of its beginning, and the next one makes up for all of it (aces).
+  double stalled_ = 0.0;
   // A match fixes base_link in the middle of the sweep; where it was at the first beam follows from the twist the sweep
   // was undone with. So speeds are taken from middle to middle: from first beam to first beam an error of the speed
   // would come back in the next one, and swings without end where sweeps fill the time between scans.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -24,72 +25,111 @@ constexpr int kSearchStepCells = 2;  // grid of the coarse search
 constexpr double kTieBreak = 1e-3;
 constexpr double kSearchStepAngle = 0.04;  // [rad]: 20 cm at 5 m
 
-/// The surface's normal and how much the position along it counts, from the moments' eigenvalues.
-struct Direction {
+/// What a beam's endpoint meets.
+struct Meeting {
+  Eigen::Vector2d turned;  // the endpoint, turned into the map's axes, about the robot [m]
+  Eigen::Vector2d offset;  // from the surface's mean to the endpoint [m]
   Eigen::Vector2d normal;
-  double along;
+  double along;  // how much the position along the surface counts, 0 for a line
+  double last_path;
+  bool surface;  // false: nothing is near, only `known` and `turned` count
+  bool known;
 };
 
-Direction direction_of(const Surface& surface) {
+/// Sets the normal and `along` from the eigenvalues of the surface's moments.
+void set_direction(const Surface& surface, Meeting& meeting) {
   const double xx = surface.xx + kSurfaceNoise * kSurfaceNoise;
   const double yy = surface.yy + kSurfaceNoise * kSurfaceNoise;
   const double half_trace = 0.5 * (xx + yy);
   const double half_difference = 0.5 * (xx - yy);
   const double radius = std::sqrt(half_difference * half_difference + surface.xy * surface.xy);
   const double ratio = (half_trace - radius) / (half_trace + radius);
-  const double along = std::clamp((ratio - kLineRatio) / (1.0 - kLineRatio), 0.0, 1.0);
-  // Twice the angle of the major axis is atan2(xy, half_difference); the normal is turned by a quarter.
-  const double major = 0.5 * std::atan2(surface.xy, half_difference);
-  return {{-std::sin(major), std::cos(major)}, along};
+  meeting.along = std::clamp((ratio - kLineRatio) / (1.0 - kLineRatio), 0.0, 1.0);
+  meeting.normal = {0.0, 1.0};
+  if (radius == 0.0) return;
+  // (half_difference, xy) points at twice the angle of the major axis; halved without trigonometry, by the larger of
+  // its cosine and sine. The normal is turned by a quarter.
+  const double larger = std::sqrt(0.5 * (1.0 + std::abs(half_difference) / radius));
+  const double smaller = 0.5 * surface.xy / (radius * larger);
+  meeting.normal = half_difference >= 0.0 ? Eigen::Vector2d(-smaller, larger) : Eigen::Vector2d(-larger, smaller);
 }
 
-}  // namespace
+using Meetings = std::vector<Meeting>;
 
-ScanFit ScanMatcher::evaluate(const GridMap& map, const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose,
-                              double old_before) const {
-  return evaluate_with(map, points, pose, options_.sigma, old_before);
-}
-
-ScanFit ScanMatcher::evaluate_with(const GridMap& map, const std::vector<Eigen::Vector2d>& points,
-                                   const common::Pose2& pose, double sigma, double old_before) const {
+void meet(const GridMap& map, const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose, int kernel_cells,
+          Meetings& meetings) {
   const Eigen::Matrix2d rotation = pose.rotation();
+  meetings.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Meeting& meeting = meetings[i];
+    meeting.turned = rotation * points[i];
+    const Eigen::Vector2d end = meeting.turned + pose.translation();
+    const Surface surface = map.surface_at(end, kernel_cells);
+    meeting.surface = surface.weight > 0.0;
+    meeting.known = meeting.surface || map.known_at(end);
+    if (!meeting.surface) continue;
+    meeting.offset = end - surface.mean;
+    meeting.last_path = surface.last_path;
+    set_direction(surface, meeting);
+  }
+}
+
+/// The logarithm of a product of numbers in (0, 1], taken once for many of them: logarithms are dear.
+class LogProduct {
+ public:
+  void multiply(double factor) {
+    product_ *= factor;
+    if (product_ > kSmall) return;
+    sum_ += std::log(product_);
+    product_ = 1.0;
+  }
+  double log() const { return sum_ + std::log(product_); }
+
+ private:
+  static constexpr double kSmall = 1e-200;  // far enough above the smallest double for one more factor
+  double product_ = 1.0;
+  double sum_ = 0.0;
+};
+
+/// How the scan lies: `sigma` [m] of the likelihood; surfaces last seen before `old_before` [m of path] are old.
+ScanFit fit_of(const Meetings& meetings, const ScanMatcherOptions& options, double sigma, double old_before) {
   const double inverse_variance = 1.0 / (sigma * sigma);
-  const double floor = options_.outlier_probability;
-  const double log_outlier = std::log(floor / (1.0 + floor));
-  const double log_unknown = std::log(options_.unknown_likelihood);
+  const double floor = options.outlier_probability;
+  const double per_perfect = 1.0 / (1.0 + floor);
+  LogProduct likelihood;
   ScanFit fit;
   double inliers = 0.0;
   double old = 0.0;
-  for (const Eigen::Vector2d& point : points) {
-    const Eigen::Vector2d turned = rotation * point;
-    const Eigen::Vector2d end = turned + pose.translation();
-    const Surface surface = map.surface_at(end, options_.kernel_cells);
-    if (surface.weight == 0.0) {
-      const bool known = map.known_at(end);
-      fit.log_likelihood += known ? log_outlier : log_unknown;
-      fit.known += known ? 1 : 0;
+  for (const Meeting& meeting : meetings) {
+    fit.known += meeting.known ? 1 : 0;
+    if (!meeting.surface) {
+      likelihood.multiply(meeting.known ? floor * per_perfect : options.unknown_likelihood);
       continue;
     }
-    const Direction direction = direction_of(surface);
-    const Eigen::Vector2d tangent(direction.normal.y(), -direction.normal.x());
-    const Eigen::Vector2d offset = end - surface.mean;
-    const double across = direction.normal.dot(offset);
-    const double along = tangent.dot(offset);
-    const double peak = std::exp(-0.5 * inverse_variance * (across * across + direction.along * along * along));
+    const Eigen::Vector2d& normal = meeting.normal;
+    const Eigen::Vector2d tangent(normal.y(), -normal.x());
+    const double across = normal.dot(meeting.offset);
+    const double along = tangent.dot(meeting.offset);
+    const double peak = std::exp(-0.5 * inverse_variance * (across * across + meeting.along * along * along));
     const double inlier = peak / (peak + floor);
-    fit.log_likelihood += std::log((peak + floor) / (1.0 + floor));
-    ++fit.known;
+    likelihood.multiply((peak + floor) * per_perfect);
     inliers += inlier;
-    fit.mean_last_path += inlier * surface.last_path;
-    if (surface.last_path < old_before) old += inlier;
+    fit.mean_last_path += inlier * meeting.last_path;
+    if (meeting.last_path < old_before) old += inlier;
 
-    const Eigen::Vector2d lever(-turned.y(), turned.x());  // d end / d theta
-    const Eigen::Vector3d across_by(direction.normal.x(), direction.normal.y(), direction.normal.dot(lever));
-    const Eigen::Vector3d along_by(tangent.x(), tangent.y(), tangent.dot(lever));
+    const Eigen::Vector2d lever(-meeting.turned.y(), meeting.turned.x());  // d end / d theta
+    const Eigen::Vector3d across_by(normal.x(), normal.y(), normal.dot(lever));
     const double weight = inlier * inverse_variance;
-    fit.gradient -= weight * (across * across_by + direction.along * along * along_by);
-    fit.information += weight * (across_by * across_by.transpose() + direction.along * along_by * along_by.transpose());
+    fit.gradient -= (weight * across) * across_by;
+    fit.information.noalias() += (weight * across_by) * across_by.transpose();
+    if (meeting.along > 0.0) {
+      const Eigen::Vector3d along_by(tangent.x(), tangent.y(), tangent.dot(lever));
+      const double along_weight = weight * meeting.along;
+      fit.gradient -= (along_weight * along) * along_by;
+      fit.information.noalias() += (along_weight * along_by) * along_by.transpose();
+    }
   }
+  fit.log_likelihood = likelihood.log();
   if (inliers > 0.0) fit.mean_last_path /= inliers;
   if (fit.known > 0) {
     fit.agreement = inliers / fit.known;
@@ -98,34 +138,50 @@ ScanFit ScanMatcher::evaluate_with(const GridMap& map, const std::vector<Eigen::
   return fit;
 }
 
+}  // namespace
+
+ScanFit ScanMatcher::evaluate(const GridMap& map, const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose,
+                              double old_before) const {
+  Meetings meetings;
+  meet(map, points, pose, options_.kernel_cells, meetings);
+  return fit_of(meetings, options_, options_.sigma, old_before);
+}
+
 ScanMatch ScanMatcher::match(const GridMap& map, const std::vector<Eigen::Vector2d>& points, const common::Pose2& start,
                              const PosePrior& prior, double old_before) const {
   const auto prior_error = [&](const common::Pose2& pose) {
     return Eigen::Vector3d(pose.x - prior.mean.x, pose.y - prior.mean.y,
                            common::angle_difference(pose.theta, prior.mean.theta));
   };
-  const auto score = [&](const common::Pose2& pose, const ScanFit& fit) {
-    const Eigen::Vector3d error = prior_error(pose);
-    return gain_ * fit.log_likelihood - 0.5 * error.dot(prior.information * error);
+  const auto score = [&](const ScanMatch& match) {
+    const Eigen::Vector3d error = prior_error(match.pose);
+    return gain_ * match.fit.log_likelihood - 0.5 * error.dot(prior.information * error);
   };
+  Meetings meetings;
+  meet(map, points, start, options_.kernel_cells, meetings);
+  const ScanMatch stayed{start, fit_of(meetings, options_, options_.sigma, old_before)};
   common::Pose2 pose = start;
+  std::optional<ScanFit> at_rest;
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
     const auto i = static_cast<std::size_t>(iteration);
     const double widening = i < kWidening.size() ? kWidening[i] : 1.0;
-    const ScanFit fit = evaluate_with(map, points, pose, options_.sigma * widening, old_before);
+    const ScanFit fit = fit_of(meetings, options_, options_.sigma * widening, old_before);
     const Eigen::Matrix3d information =
         gain_ * fit.information + prior.information + kWeakPrior * Eigen::Matrix3d::Identity();
     const Eigen::Vector3d gradient = gain_ * fit.gradient - prior.information * prior_error(pose);
     Eigen::Vector3d step = information.llt().solve(gradient);
     const double size = step.cwiseAbs().maxCoeff();
     if (!(size < HUGE_VAL)) break;
+    if (widening == 1.0 && size < kSmallStep) {
+      at_rest = fit;
+      break;
+    }
     if (size > kLargestStep) step *= kLargestStep / size;
     pose = {pose.x + step.x(), pose.y + step.y(), common::normalize_angle(pose.theta + step.z())};
-    if (widening == 1.0 && size < kSmallStep) break;
+    meet(map, points, pose, options_.kernel_cells, meetings);
   }
-  const ScanMatch climbed{pose, evaluate(map, points, pose, old_before)};
-  const ScanMatch stayed{start, evaluate(map, points, start, old_before)};
-  return score(climbed.pose, climbed.fit) >= score(stayed.pose, stayed.fit) ? climbed : stayed;
+  const ScanMatch climbed{pose, at_rest ? *at_rest : fit_of(meetings, options_, options_.sigma, old_before)};
+  return score(climbed) >= score(stayed) ? climbed : stayed;
 }
 
 ScanMatch ScanMatcher::search(const GridMap& map, const std::vector<Eigen::Vector2d>& points,

@@ -65,9 +65,6 @@ class ScanMatcher {
                    double old_before = 0.0) const;
 
  private:
-  ScanFit evaluate_with(const GridMap& map, const std::vector<Eigen::Vector2d>& points, const common::Pose2& pose,
-                        double sigma, double old_before) const;
-
   ScanMatcherOptions options_;
   double gain_;
 };

@@ -53,6 +53,7 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
       const bool near =
           std::hypot(apart.x, apart.y) <= matching_.search_distance && std::abs(apart.theta) <= matching_.search_angle;
       if (!near && !prediction.suspicious) return;
+      if (is_jump(last.inverse() * other.pose, prediction.at_most_seconds, motion_)) return;
       to_beat = other.fit.log_likelihood;
       tracked.match = other;
       tracked.odometry_doubted = true;

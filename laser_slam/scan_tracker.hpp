@@ -24,7 +24,8 @@ struct TrackedScan {
 ///
 /// The climb starts where the prediction says. Where the odometry differs from the last matched speed, climbs from
 /// there and from standstill are tried too; where the scan agrees badly or the odometry is too fast to be true, also
-/// searches around all three. They win only when they are clearly likelier.
+/// searches around all three. They win only when they are clearly likelier
+/// and the robot could have moved so, see is_jump().
 class ScanTracker {
  public:
   ScanTracker(const ScanMatcher& matcher, const ScanMatcherOptions& matching, const MotionModelOptions& motion)

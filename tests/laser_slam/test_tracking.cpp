@@ -117,6 +117,22 @@ TEST(MotionPredictor, UsesOdometryAndElseTheLastSpeed) {
   EXPECT_NEAR(with.increment.x, 0.02, 1e-9);
 }
 
+TEST(MotionPredictor, LetsOdometryCatchUpAfterAStall) {
+  MotionPredictor predictor{MotionModelOptions{}};
+  predictor.add({0, "odom0", {}, 0.0, 0.0});
+  predictor.start(0);
+  predictor.add({3 * kSecond, "odom0", {0.0, 0.0, 0.4}, 0.0, 0.0});
+  const MotionPrediction stall = predictor.predict(3 * kSecond);
+  predictor.finish(3 * kSecond, stall, stall.increment);
+  const common::Nanoseconds next = 3 * kSecond + kSecond / 10;
+  predictor.add({next, "odom0", {0.3, 0.0, 1.4}, 0.0, 0.0});
+  const MotionPrediction made_up = predictor.predict(next);
+  EXPECT_FALSE(made_up.suspicious);
+  predictor.finish(next, made_up, made_up.increment);
+  predictor.add({next + kSecond / 10, "odom0", {0.6, 0.0, 2.4}, 0.0, 0.0});
+  EXPECT_TRUE(predictor.predict(next + kSecond / 10).suspicious) << "only once";
+}
+
 TEST(MotionPredictor, SuspectsOdometryTooFastToBeTrue) {
   MotionPredictor predictor{MotionModelOptions{}};
   predictor.add({0, "odom0", {}, 0.0, 0.0});
