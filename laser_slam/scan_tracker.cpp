@@ -42,13 +42,15 @@ TrackedScan ScanTracker::track(const GridMap& map, const std::vector<Eigen::Vect
   const bool surprising =
       std::max(std::hypot(disagreement.x, disagreement.y), std::abs(disagreement.theta)) > kSurprise;
   if (prediction.suspicious || doubtful || surprising) {
-    // The likelihood decides, not the agreement: it also counts how much of the scan meets the map at all. Odometry too
-    // fast to be true that leads out of the map has nothing to speak for it.
+    // The likelihood decides: it also counts how much of the scan meets the map at all. But it alone would leave the
+    // map, where beams cost little, so what is known must agree better too. Odometry too fast to be true that leads out
+    // of the map has nothing to speak for it.
     const bool astray = prediction.suspicious && tracked.match.fit.known < enough;
     double to_beat =
         astray ? -HUGE_VAL : tracked.match.fit.log_likelihood + matching_.rematch_gain * std::max(beams, kFewestBeams);
     const auto consider = [&](const ScanMatch& other) {
       if (other.fit.log_likelihood <= to_beat || (astray && other.fit.known < enough)) return;
+      if (!astray && other.fit.agreement <= tracked.match.fit.agreement) return;
       const common::Pose2 apart = prior.mean.inverse() * other.pose;
       const bool near =
           std::hypot(apart.x, apart.y) <= matching_.search_distance && std::abs(apart.theta) <= matching_.search_angle;
