@@ -18,7 +18,8 @@ namespace slamfuse::common {
 namespace {
 
 constexpr const char* kKnownFormats =
-    "an EuRoC/ASL folder, a folder of images with sensor.yaml, a CARMEN log, an MRPT rawlog, a ROS 2 bag (sqlite3), a "
+    "an EuRoC/ASL folder, a folder of images with sensor.yaml, a CARMEN log, an MRPT rawlog, a ROS 2 bag (sqlite3, "
+    "MCAP), a "
     "ROS 1 bag";
 
 /// The first bytes of a file, decompressed: enough to get past the comments and parameters at the head of a log.
@@ -43,7 +44,9 @@ Result<std::unique_ptr<RosBag>> open_bag(const std::filesystem::path& path) {
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) return open_ros2_bag(path);
   const Result<std::string> beginning = beginning_of(path);
-  return beginning && is_ros1_bag(*beginning) ? open_ros1_bag(path) : open_ros2_bag(path);
+  if (beginning && is_ros1_bag(*beginning)) return open_ros1_bag(path);
+  if (beginning && is_mcap_file(*beginning)) return open_mcap_bag({path});
+  return open_ros2_bag(path);
 }
 
 /// Opens what is not a bag.
@@ -89,7 +92,7 @@ bool is_ros_bag(const std::filesystem::path& path) {
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) return is_ros2_bag_folder(path);
   const Result<std::string> beginning = beginning_of(path);
-  return beginning && (is_ros1_bag(*beginning) || is_sqlite_file(*beginning));
+  return beginning && (is_ros1_bag(*beginning) || is_mcap_file(*beginning) || is_sqlite_file(*beginning));
 }
 
 Result<Trajectory2> read_ground_truth(const std::filesystem::path& path, const RecordingOptions& options) {

@@ -73,9 +73,9 @@ class Recording {
 };
 
 /// Opens a recording, recognised by its content (DESIGN section 5): an EuRoC/ASL folder, a folder of images with
-/// `sensor.yaml`, a CARMEN log (plain, gzip, bzip2), an MRPT rawlog, a ROS 2 bag (SQLite, folder or file), a ROS 1 bag.
-/// Errors (kInvalidInput): no such path, no known format, no sensor with a message, sensors that have no time in
-/// common. Errors (kUsage): options that do not fit the recording.
+/// `sensor.yaml`, a CARMEN log (plain, gzip, bzip2), an MRPT rawlog, a ROS 2 bag (SQLite or MCAP, folder or file), a
+/// ROS 1 bag. Errors (kInvalidInput): no such path, no known format, no sensor with a message, sensors that have no
+/// time in common. Errors (kUsage): options that do not fit the recording.
 Result<std::unique_ptr<Recording>> open_recording(const std::filesystem::path& path,
                                                   const RecordingOptions& options = {});
 

@@ -10,6 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "common/ros_bag.hpp"
+#include "common/topic_numbers.hpp"
 
 namespace slamfuse::common {
 namespace {
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSqliteHead{"SQLite format 3\0", 16};
 constexpr const char* kDatabaseExtension = ".db3";
+constexpr const char* kMcapExtension = ".mcap";
 constexpr std::uintmax_t kLargestMetadata = 1U << 22;  ///< bytes
 
 struct DatabaseCloser {
@@ -68,12 +70,6 @@ std::string column_text(sqlite3_stmt* statement, int column) {
   return text != nullptr ? text : "";
 }
 
-/// "sensor_msgs/msg/LaserScan" as "sensor_msgs/LaserScan".
-std::string type_of_ros1(std::string type) {
-  if (const std::size_t at = type.find("/msg/"); at != std::string::npos) type.erase(at, 4);
-  return type;
-}
-
 /// One .db3 file.
 struct StorageFile {
   fs::path path;
@@ -84,7 +80,7 @@ struct StorageFile {
 class Ros2Bag final : public RosBag {
  public:
   RosEncoding encoding() const override { return RosEncoding::kCdr; }
-  const std::vector<RosTopic>& topics() const override { return topics_; }
+  const std::vector<RosTopic>& topics() const override { return numbers_.topics(); }
 
   Result<void> add_file(const fs::path& path) {
     auto database = open_database(path);
@@ -102,7 +98,7 @@ class Ros2Bag final : public RosBag {
             fmt::format("{}: topic {} is serialised as '{}' (known: cdr)", path.string(), name, format));
       }
       file.topics[sqlite3_column_int64(statement->get(), 0)] =
-          index_of({name, type_of_ros1(column_text(statement->get(), 2))});
+          numbers_.number_of({name, column_text(statement->get(), 2)});
     }
     if (code != SQLITE_DONE) return invalid_input(damage_of(file));
     files_.push_back(std::move(file));
@@ -146,15 +142,6 @@ class Ros2Bag final : public RosBag {
                        sqlite3_errmsg(file.database.get()));
   }
 
-  std::size_t index_of(const RosTopic& topic) {
-    const auto found = std::find_if(topics_.begin(), topics_.end(), [&](const RosTopic& known) {
-      return known.name == topic.name && known.type == topic.type;
-    });
-    if (found != topics_.end()) return static_cast<std::size_t>(found - topics_.begin());
-    topics_.push_back(topic);
-    return topics_.size() - 1;
-  }
-
   Result<void> begin_file() {
     const StorageFile& file = files_[next_file_++];
     std::string ids;
@@ -169,19 +156,19 @@ class Ros2Bag final : public RosBag {
     return {};
   }
 
-  std::vector<RosTopic> topics_;
+  TopicNumbers numbers_;
   std::vector<StorageFile> files_;
   std::set<std::size_t> wanted_;
   std::size_t next_file_ = 0;
   Statement statement_;  ///< reads the file before next_file_
 };
 
-/// The .db3 files in a folder, by name.
-std::vector<fs::path> database_files(const fs::path& folder) {
+/// The files of an extension in a folder, by name.
+std::vector<fs::path> files_with(const char* extension, const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code code;
   for (fs::directory_iterator entry(folder, code); !code && entry != fs::directory_iterator(); entry.increment(code)) {
-    if (entry->path().extension() == kDatabaseExtension) files.push_back(entry->path());
+    if (entry->path().extension() == extension) files.push_back(entry->path());
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     // bag_10.db3 comes behind bag_9.db3.
@@ -192,8 +179,14 @@ std::vector<fs::path> database_files(const fs::path& folder) {
   return files;
 }
 
+/// The files of a bag, all of one storage.
+struct BagFiles {
+  std::vector<fs::path> paths;
+  bool mcap = false;
+};
+
 /// The files a metadata.yaml names.
-Result<std::vector<fs::path>> files_of_metadata(const fs::path& metadata) {
+Result<BagFiles> files_of_metadata(const fs::path& metadata) {
   const auto refuse = [&](const std::string& problem) { return invalid_input(metadata.string() + ": " + problem); };
   std::error_code code;
   if (fs::file_size(metadata, code) > kLargestMetadata || code) return refuse("not readable, or larger than 4 MiB");
@@ -201,21 +194,33 @@ Result<std::vector<fs::path>> files_of_metadata(const fs::path& metadata) {
     const YAML::Node info = YAML::LoadFile(metadata.string())["rosbag2_bagfile_information"];
     if (!info) return refuse("key rosbag2_bagfile_information is missing");
     const auto storage = info["storage_identifier"].as<std::string>();
-    if (storage != "sqlite3") return refuse("storage_identifier is '" + storage + "' (known: sqlite3)");
+    if (storage != "sqlite3" && storage != "mcap") {
+      return refuse("storage_identifier is '" + storage + "' (known: sqlite3, mcap)");
+    }
     const auto compression = info["compression_mode"].as<std::string>("");
     if (!compression.empty() && compression != "none") {
       return refuse("compression_mode is '" + compression + "'; compressed bags are not read (`ros2 bag convert`)");
     }
-    std::vector<fs::path> files;
+    BagFiles files{{}, storage == "mcap"};
     for (const YAML::Node& file : info["relative_file_paths"]) {
       // Early versions wrote the folder's name too; no file lies elsewhere.
-      files.push_back(metadata.parent_path() / fs::path(file.as<std::string>()).filename());
+      files.paths.push_back(metadata.parent_path() / fs::path(file.as<std::string>()).filename());
     }
-    if (files.empty()) return refuse("relative_file_paths names no file");
+    if (files.paths.empty()) return refuse("relative_file_paths names no file");
     return files;
   } catch (const YAML::Exception& error) {
     return refuse(error.what());
   }
+}
+
+/// The files in a folder, or the one file.
+Result<BagFiles> files_of(const fs::path& path) {
+  std::error_code code;
+  if (!fs::is_directory(path, code)) return BagFiles{{path}, path.extension() == kMcapExtension};
+  if (fs::exists(path / "metadata.yaml", code)) return files_of_metadata(path / "metadata.yaml");
+  BagFiles files{files_with(kDatabaseExtension, path)};
+  if (files.paths.empty()) files = {files_with(kMcapExtension, path), true};
+  return files;
 }
 
 }  // namespace
@@ -224,24 +229,17 @@ bool is_sqlite_file(std::string_view beginning) { return beginning.starts_with(k
 
 bool is_ros2_bag_folder(const fs::path& path) {
   std::error_code code;
-  if (!database_files(path).empty()) return true;
+  if (!files_with(kDatabaseExtension, path).empty() || !files_with(kMcapExtension, path).empty()) return true;
   if (!fs::is_regular_file(path / "metadata.yaml", code)) return false;
   return fs::file_size(path / "metadata.yaml", code) > 0;
 }
 
 Result<std::unique_ptr<RosBag>> open_ros2_bag(const fs::path& path) {
-  std::error_code code;
-  std::vector<fs::path> files{path};
-  if (fs::is_directory(path, code)) {
-    files = database_files(path);
-    if (fs::exists(path / "metadata.yaml", code)) {
-      auto named = files_of_metadata(path / "metadata.yaml");
-      if (!named) return tl::unexpected(named.error());
-      files = std::move(*named);
-    }
-  }
+  const Result<BagFiles> files = files_of(path);
+  if (!files) return tl::unexpected(files.error());
+  if (files->mcap) return open_mcap_bag(files->paths);
   auto bag = std::make_unique<Ros2Bag>();
-  for (const fs::path& file : files) {
+  for (const fs::path& file : files->paths) {
     if (auto added = bag->add_file(file); !added) return tl::unexpected(added.error());
   }
   return bag;

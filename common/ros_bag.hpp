@@ -61,12 +61,19 @@ bool is_ros1_bag(std::string_view beginning);
 /// or damaged so that no message is found.
 Result<std::unique_ptr<RosBag>> open_ros1_bag(const std::filesystem::path& path);
 
+/// Whether the beginning of a file is that of an MCAP file.
+bool is_mcap_file(std::string_view beginning);
+/// Opens a bag of MCAP files, of either ROS; their chunks may be plain, lz4 or zstd. The files are read through once
+/// for where their messages stand, as in a ROS 1 bag. Error (kInvalidInput): no MCAP, unreadable, or damaged so that no
+/// message is found.
+Result<std::unique_ptr<RosBag>> open_mcap_bag(const std::vector<std::filesystem::path>& files);
+
 /// Whether the beginning of a file is that of an SQLite database.
 bool is_sqlite_file(std::string_view beginning);
-/// Whether a folder holds a ROS 2 bag: rosbag2's metadata.yaml, or .db3 files.
+/// Whether a folder holds a ROS 2 bag: rosbag2's metadata.yaml, or .db3 or .mcap files.
 bool is_ros2_bag_folder(const std::filesystem::path& path);
-/// Opens a ROS 2 bag of SQLite files: its folder (the files metadata.yaml names, else all .db3) or one .db3 file. Error
-/// (kInvalidInput): no such files, no bag in them, another storage (MCAP), compressed messages, not CDR.
+/// Opens a ROS 2 bag: its folder (the files metadata.yaml names, else all .db3 or all .mcap), one .db3 or one .mcap
+/// file. Error (kInvalidInput): no such files, no bag in them, another storage, compressed messages or files, not CDR.
 Result<std::unique_ptr<RosBag>> open_ros2_bag(const std::filesystem::path& path);
 
 }  // namespace slamfuse::common

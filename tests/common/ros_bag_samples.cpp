@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <lz4frame.h>
 #include <sqlite3.h>
+#include <zlib.h>
+#include <zstd.h>
 
 #include "common/recording_samples.hpp"
 
@@ -40,6 +42,11 @@ std::string compressed(const std::string& content, const std::string& compressio
   if (compression == "lz4") {
     std::string packed(LZ4F_compressFrameBound(content.size(), nullptr), '\0');
     packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), content.data(), content.size(), nullptr));
+    return packed;
+  }
+  if (compression == "zstd") {
+    std::string packed(ZSTD_compressBound(content.size()), '\0');
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), content.data(), content.size(), 3));
     return packed;
   }
   return content;
@@ -161,6 +168,47 @@ std::string ros1_bag(const std::vector<BagSample>& samples, const std::string& c
         compressed(content, compression));
   }
   return bag;
+}
+
+std::string mcap_file(const std::vector<BagSample>& samples, const std::string& compression, std::size_t in_chunk) {
+  const auto record = [](char operation, const std::string& content) {
+    return operation + little_endian(content.size(), 8) + content;
+  };
+  const std::string none = little_endian(0, 4);  // an empty text, list or map
+  std::string file = "\x89MCAP0\r\n" + record('\x01', counted("ros2") + none);
+  std::map<std::string, std::uint16_t> channels;
+  for (std::size_t begin = 0; begin < samples.size(); begin += in_chunk) {
+    std::string content;
+    for (std::size_t i = begin; i < std::min(samples.size(), begin + in_chunk); ++i) {
+      const BagSample& sample = samples[i];
+      const auto [channel, is_new] =
+          channels.try_emplace(sample.topic, static_cast<std::uint16_t>(channels.size() + 1));
+      const std::string id = little_endian(channel->second, 2);
+      if (is_new) {
+        content += record('\x03', id + counted(type_of_ros2(sample.type)) + counted("ros2msg") + none);
+        content += record('\x04', id + id + counted(sample.topic) + counted("cdr") + none);
+      }
+      const std::string time = little_endian(static_cast<std::uint64_t>(sample.stored), 8);
+      content += record('\x05', id + little_endian(i, 4) + time + time + sample.data);
+    }
+    const std::string stored = compressed(content, compression.empty() ? "none" : compression);
+    const std::string times(16, '\0');
+    const auto checksum = crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size());
+    file += record('\x06', times + little_endian(content.size(), 8) + little_endian(checksum, 4) +
+                               counted(compression) + little_endian(stored.size(), 8) + stored);
+  }
+  file += record('\x0F', none);
+  return file + record('\x02', std::string(20, '\0')) + "\x89MCAP0\r\n";
+}
+
+std::filesystem::path write_mcap_bag(const std::filesystem::path& folder, const std::vector<BagSample>& samples,
+                                     const std::string& compression) {
+  std::filesystem::create_directories(folder);
+  write_file(folder / "metadata.yaml",
+             "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  compression_format: \"\"\n"
+             "  compression_mode: \"\"\n  relative_file_paths:\n    - bag_0.mcap\n");
+  write_file(folder / "bag_0.mcap", mcap_file(samples, compression));
+  return folder / "bag_0.mcap";
 }
 
 std::filesystem::path write_ros2_bag(const std::filesystem::path& folder, const std::vector<BagSample>& samples) {

@@ -92,7 +92,16 @@ struct BagSample {
 std::string ros1_bag(const std::vector<BagSample>& samples, const std::string& compression = "none",
                      std::size_t in_chunk = 3);
 
-/// Writes a ROS 2 bag: the folder with metadata.yaml and one .db3 file, whose path is returned.
+/// An MCAP file of ROS 2 without its optional summary, in chunks of `in_chunk` messages. `compression`: empty, lz4,
+/// zstd.
+std::string mcap_file(const std::vector<BagSample>& samples, const std::string& compression = "",
+                      std::size_t in_chunk = 3);
+
+/// Writes a ROS 2 bag of MCAP: the folder with metadata.yaml and one .mcap file, whose path is returned.
+std::filesystem::path write_mcap_bag(const std::filesystem::path& folder, const std::vector<BagSample>& samples,
+                                     const std::string& compression = "");
+
+/// Writes a ROS 2 bag of SQLite: the folder with metadata.yaml and one .db3 file, whose path is returned.
 std::filesystem::path write_ros2_bag(const std::filesystem::path& folder, const std::vector<BagSample>& samples);
 
 }  // namespace slamfuse::common::samples

@@ -46,23 +46,31 @@ std::vector<BagSample> robot(Wire wire) {
   return samples;
 }
 
-/// Both kinds of bags, and all compressions.
+/// All kinds of bags, and all compressions.
+enum class Storage { kRos1, kSqlite, kMcap };
 struct BagKind {
   const char* name;
-  bool ros1;
+  Storage storage;
   const char* compression;
 };
 
 class EveryBag : public testing::TestWithParam<BagKind> {
  protected:
-  Wire wire() const { return GetParam().ros1 ? Wire::kRos1 : Wire::kCdr; }
-  std::filesystem::path write(const std::vector<BagSample>& samples) const {
-    if (!GetParam().ros1) {
-      write_ros2_bag(folder_.path() / "bag", samples);
-      return folder_.path() / "bag";
+  bool ros1() const { return GetParam().storage == Storage::kRos1; }
+  Wire wire() const { return ros1() ? Wire::kRos1 : Wire::kCdr; }
+  /// The file that holds the messages.
+  std::filesystem::path write_messages(const std::vector<BagSample>& samples) const {
+    if (GetParam().storage == Storage::kSqlite) return write_ros2_bag(folder_.path() / "bag", samples);
+    if (GetParam().storage == Storage::kMcap) {
+      return write_mcap_bag(folder_.path() / "bag", samples, GetParam().compression);
     }
     write_file(folder_.path() / "file.bag", ros1_bag(samples, GetParam().compression));
     return folder_.path() / "file.bag";
+  }
+  /// The bag as a user names it.
+  std::filesystem::path write(const std::vector<BagSample>& samples) const {
+    const auto file = write_messages(samples);
+    return ros1() ? file : file.parent_path();
   }
   Contents read(const std::vector<BagSample>& samples) const { return open_and_read_all(write(samples)); }
   std::unique_ptr<Recording> open(const std::vector<BagSample>& samples, const RecordingOptions& options = {}) const {
@@ -74,15 +82,19 @@ class EveryBag : public testing::TestWithParam<BagKind> {
   TemporaryFolder folder_;
 };
 INSTANTIATE_TEST_SUITE_P(Bags, EveryBag,
-                         testing::Values(BagKind{"ros2", false, ""}, BagKind{"ros1", true, "none"},
-                                         BagKind{"ros1_bz2", true, "bz2"}, BagKind{"ros1_lz4", true, "lz4"}),
+                         testing::Values(BagKind{"sqlite", Storage::kSqlite, ""}, BagKind{"mcap", Storage::kMcap, ""},
+                                         BagKind{"mcap_lz4", Storage::kMcap, "lz4"},
+                                         BagKind{"mcap_zstd", Storage::kMcap, "zstd"},
+                                         BagKind{"ros1", Storage::kRos1, "none"},
+                                         BagKind{"ros1_bz2", Storage::kRos1, "bz2"},
+                                         BagKind{"ros1_lz4", Storage::kRos1, "lz4"}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_P(EveryBag, GivesScansAndOdometryInTheOrderOfReception) {
   const auto recording = open(robot(wire()));
   ASSERT_NE(recording, nullptr);
   const RecordingInfo& info = recording->info();
-  EXPECT_EQ(info.format, GetParam().ros1 ? "ros1" : "ros2");
+  EXPECT_EQ(info.format, ros1() ? "ros1" : "ros2");
   ASSERT_EQ(info.sensors.size(), 2U);
   EXPECT_EQ(info.sensors.at("laser0").messages, 10U);
   EXPECT_EQ(info.sensors.at("odom0").last_stamp, at(9));
@@ -304,8 +316,8 @@ TEST_P(EveryBag, UsesASweepOnlyWhereTheOrderOfFiringIsKnown) {
 
 TEST_P(EveryBag, SurvivesRandomDamage) {
   std::mt19937 random(11);
-  const auto path = write(robot(wire()));
-  const auto file = GetParam().ros1 ? path : path / "bag_0.db3";
+  const auto file = write_messages(robot(wire()));
+  const auto path = ros1() ? file : file.parent_path();
   const std::string whole = read_file(file);
   for (int i = 0; i < 200; ++i) {
     std::string bytes = whole;
@@ -355,7 +367,7 @@ TEST(Ros1Bag, RefusesUnknownCompression) {
   write_file(folder.path() / "file.bag", ros1_bag(robot(Wire::kRos1), "zip"));
   const auto recording = open_recording(folder.path() / "file.bag");
   ASSERT_FALSE(recording);
-  EXPECT_THAT(recording.error().message, HasSubstr("compression 'zip' (known: none, bz2, lz4)"));
+  EXPECT_THAT(recording.error().message, HasSubstr("compression 'zip' (known: none, bz2, lz4, zstd)"));
 }
 
 TEST(Ros1Bag, RefusesHugeLengths) {
@@ -397,7 +409,7 @@ TEST(Ros2Bag, SaysWhatItCannotRead) {
     EXPECT_FALSE(recording);
     return recording ? std::string() : recording.error().message;
   };
-  EXPECT_THAT(refused_with("sqlite3", "mcap"), HasSubstr("storage_identifier is 'mcap' (known: sqlite3)"));
+  EXPECT_THAT(refused_with("sqlite3", "tape"), HasSubstr("storage_identifier is 'tape' (known: sqlite3, mcap)"));
   EXPECT_THAT(refused_with("compression_mode: \"\"", "compression_mode: FILE"),
               HasSubstr("compression_mode is 'FILE'"));
   EXPECT_THAT(refused_with("bag_0.db3", "bag_7.db3"), HasSubstr("bag_7.db3: cannot be opened"));
@@ -418,6 +430,62 @@ TEST(Ros2Bag, TellsACutFile) {
     ASSERT_FALSE(contents.rejected.empty());
     EXPECT_THAT(contents.rejected.back().reason, HasSubstr("damaged or cut"));
   }
+}
+
+TEST(McapBag, OpensTheFileAloneAndTheFolderWithoutMetadata) {
+  TemporaryFolder folder;
+  const auto file = write_mcap_bag(folder.path() / "bag", robot(Wire::kCdr), "zstd");
+  EXPECT_EQ(open_and_read_all(file).messages.size(), 20U);
+  std::filesystem::remove(folder.path() / "bag/metadata.yaml");
+  EXPECT_EQ(open_and_read_all(folder.path() / "bag").messages.size(), 20U);
+  // A bag that was split: each file names its topics anew.
+  write_file(folder.path() / "bag/bag_1.mcap", mcap_file(robot(Wire::kCdr)));
+  EXPECT_EQ(open_recording(folder.path() / "bag").value()->info().sensors.at("laser0").messages, 20U);
+}
+
+TEST(McapBag, KeepsWhatStandsBeforeACut) {
+  TemporaryFolder folder;
+  const auto file = folder.path() / "cut.mcap";
+  const std::string whole = mcap_file(robot(Wire::kCdr));
+  write_file(file, whole.substr(0, whole.size() / 2));
+  const Contents contents = open_and_read_all(file);
+  EXPECT_GT(contents.messages.size(), 6U);
+  ASSERT_FALSE(contents.rejected.empty());
+  EXPECT_THAT(contents.rejected.back().reason, HasSubstr("cut.mcap: the record at byte "));
+}
+
+TEST(McapBag, LosesOneDamagedChunkOnly) {
+  for (const std::string compression : {"", "lz4", "zstd"}) {
+    TemporaryFolder folder;
+    const auto file = folder.path() / "damaged.mcap";
+    std::string bytes = mcap_file(robot(Wire::kCdr), compression);
+    const std::size_t in_chunk = bytes.find(compression.empty() ? "whatever" : compression, bytes.size() / 2);
+    ASSERT_NE(in_chunk, std::string::npos);
+    const std::size_t inside = in_chunk + (compression.empty() ? 0 : 60);
+    bytes[inside] = static_cast<char>(bytes[inside] + 1);
+    write_file(file, bytes);
+    const Contents contents = open_and_read_all(file);
+    EXPECT_GE(contents.messages.size(), 16U) << compression;
+    ASSERT_EQ(contents.rejected.size(), 1U) << compression;
+    EXPECT_THAT(contents.rejected[0].reason, HasSubstr("the chunk at byte ")) << compression;
+  }
+}
+
+TEST(McapBag, SaysWhatItCannotRead) {
+  TemporaryFolder folder;
+  const auto file = folder.path() / "file.mcap";
+  write_file(file, mcap_file(robot(Wire::kCdr), "none"));
+  EXPECT_EQ(open_and_read_all(file).messages.size(), 20U);
+  std::string bytes = mcap_file(robot(Wire::kCdr), "lz4");
+  for (std::size_t at = 0; (at = bytes.find("lz4", at)) != std::string::npos;) bytes.replace(at, 3, "zip");
+  write_file(file, bytes);
+  const auto zipped = open_recording(file);
+  ASSERT_FALSE(zipped);
+  EXPECT_THAT(zipped.error().message, HasSubstr("compression 'zip' (known: none, bz2, lz4, zstd)"));
+  write_file(file, "this is no MCAP file");
+  const auto text = open_recording(file);
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().kind, ErrorKind::kInvalidInput);
 }
 
 TEST(RecordingOptions, AreForBagsOnly) {
