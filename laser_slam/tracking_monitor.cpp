@@ -25,6 +25,8 @@ void TrackingMonitor::add(common::Nanoseconds stamp, std::optional<double> agree
 void TrackingMonitor::reset() {
   state_ = common::TrackingState::kTracking;
   low_since_.reset();
+  just_lost_ = false;
+  just_found_ = false;
 }
 
 }  // namespace slamfuse::laser_slam

@@ -49,6 +49,21 @@ TEST(TrackingMonitor, BecomesLostOnlyAfterTheStatedTimeAndFoundOnClearAgreement)
   EXPECT_TRUE(monitor.just_found());
 }
 
+TEST(TrackingMonitor, ForgetsWhatTheLastScanDidWhenThePoseIsSet) {
+  TrackingMonitor monitor({0.45, 0.25, 2.0});
+  monitor.add(0, 0.1);
+  monitor.add(2 * kSecond, 0.1);
+  ASSERT_TRUE(monitor.just_lost());
+  monitor.reset();
+  EXPECT_FALSE(monitor.just_lost());
+  monitor.add(3 * kSecond, 0.1);
+  monitor.add(5 * kSecond, 0.1);
+  monitor.add(6 * kSecond, 0.8);
+  ASSERT_TRUE(monitor.just_found());
+  monitor.reset();
+  EXPECT_FALSE(monitor.just_found());
+}
+
 TEST(TrackingMonitor, KeepsItsStateWhereNothingIsKnownYet) {
   TrackingMonitor monitor({0.45, 0.25, 2.0});
   monitor.add(0, std::nullopt);
