@@ -88,14 +88,14 @@ class LaserSlam::Impl {
   void reset() {
     set_pose_.reset();
     restored_.reset();
+    path_length_ = 0.0;
+    held_at_ = 0.0;
     if (!started_) return;
     started_ = false;
     ++epoch_;
     path_.clear();
     keyframes_.clear();
     refined_.reset();
-    path_length_ = 0.0;
-    held_at_ = 0.0;
     degenerate_told_ = -kDegenerateEvery;
     loops_ = LoopDetector(options_.loops);
     monitor_.reset();

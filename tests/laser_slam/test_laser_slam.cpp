@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
+#include "laser_slam/map_state.hpp"
 #include "synthetic_room.hpp"
 
 namespace slamfuse::laser_slam {
@@ -369,6 +370,9 @@ TEST(LaserSlam, ForgetsASavedMapOnResetBeforeTheFirstScan) {
   const auto estimate = look(*second, 0, {});
   ASSERT_TRUE(estimate);
   EXPECT_EQ(estimate->pose.vector(), Eigen::Vector3d::Zero());
+  const auto state = parse_state(*second->serialize(), few_particles().map);
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->path_length, 0.0) << "a new map has been driven in by nobody";
 }
 
 TEST(LaserSlam, AnswersAPoseItCannotTakeWithAnEvent) {
