@@ -107,7 +107,7 @@ class LaserSlam::Impl {
   }
 
   void refine() {
-    if (!started_ || refined_ || restored_map_ || !options_.refinement.enabled) return;
+    if (!started_ || refined_ || !can_refine()) return;
     Refined refined{refine_path(keyframes_, filter_.best_path(), matcher_, options_.map, options_.refinement,
                                 options_.loops.min_path, threads_),
                     GridMap(options_.map)};
@@ -145,6 +145,9 @@ class LaserSlam::Impl {
     GridMap map;
   };
 
+  /// Whether refine() does anything: else no keyframes are kept, which are most of what a long run takes.
+  bool can_refine() const { return options_.refinement.enabled && !restored_map_; }
+
   const GridMap& map() const { return refined_ ? refined_->map : filter_.best().map; }
 
   static Eigen::Matrix3d floor_covariance() {
@@ -166,7 +169,7 @@ class LaserSlam::Impl {
   void place(const common::SetPose& command) {
     const common::Pose2 pose{command.pose.x, command.pose.y, common::normalize_angle(command.pose.theta)};
     filter_.scatter(pose, command.covariance + floor_covariance());
-    keyframes_.push_back({{}, path_length_, false, {}});
+    if (can_refine()) keyframes_.push_back({{}, path_length_, false, {}});
     begin_segment(std::nullopt);
     predictor_.forget_speed();
     monitor_.reset();
@@ -194,7 +197,8 @@ class LaserSlam::Impl {
     }
     restored_map_ = restored_.has_value();
     restored_.reset();
-    keyframes_.assign(1, {StoredScan(beams), path_length_, !restored_map_, {}});
+    keyframes_.clear();
+    if (can_refine()) keyframes_.push_back({StoredScan(beams), path_length_, true, {}});
     filter_.start(pose, map);
     predictor_.start(stamp);
     started_ = true;
@@ -232,7 +236,9 @@ class LaserSlam::Impl {
 
   void update(common::Nanoseconds stamp, const ScanBeams& beams) {
     const common::Pose2 arrival = motion_.matched();
-    keyframes_.push_back({StoredScan(beams), path_length_, monitor_.may_map(), motion_.candidates()});
+    if (can_refine()) {
+      keyframes_.push_back({StoredScan(beams), path_length_, monitor_.may_map(), motion_.candidates()});
+    }
     filter_.update(beams, motion_.believed(), path_length_, monitor_.may_map());
     last_update_stamp_ = stamp;
     begin_segment(arrival);
@@ -317,7 +323,7 @@ class LaserSlam::Impl {
   std::vector<common::Event> pending_;
   MotionAccumulator motion_;  // since the last filter update
 
-  std::vector<Keyframe> keyframes_;  // one each begin_segment
+  std::vector<Keyframe> keyframes_;  // one each begin_segment, none where there is nothing to refine
   bool restored_map_ = false;        // the map began as one that was loaded
   std::optional<Refined> refined_;   // of these keyframes
 
