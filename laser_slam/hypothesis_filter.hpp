@@ -47,7 +47,7 @@ class HypothesisFilter {
   bool empty() const { return groups_.empty(); }
 
   /// Adds a hypothesis: particles drawn from N(mean, covariance), as many as such a spread needs but not more than
-  /// `most`. `log_mass` is its probability relative to the best hypothesis', as a logarithm.
+  /// `most` >= 1. `log_mass` is its probability relative to the best hypothesis', as a logarithm.
   void add(const common::Pose2& mean, const Eigen::Matrix3d& covariance, double log_mass, int most);
 
   /// Moves all particles by an increment with a covariance in the body frame at its end.

@@ -289,7 +289,7 @@ class LaserLocalization::Impl {
     const bool any = !newcomers.empty();
     for (const auto& [pose, relative] : newcomers) {
       filter_.add(pose, diagonal(kCandidateSpread, kCandidateTurn), relative + share,
-                  local_.filter.max_particles / static_cast<int>(newcomers.size()));
+                  std::max(1, local_.filter.max_particles / static_cast<int>(newcomers.size())));
     }
     known_ = filter_.hypotheses();
     for (const Hypothesis& hypothesis : known_) held_since_.try_emplace(hypothesis.id, path_.now());
@@ -402,6 +402,12 @@ common::Result<std::unique_ptr<LaserLocalization>> LaserLocalization::create(
     const LaserSlamOptions& options, const std::string& sensor, const common::LaserCalibration& calibration,
     const LocalizationMap& map, std::uint64_t seed) {
   if (auto checked = check_calibration(sensor, calibration); !checked) return tl::unexpected(checked.error());
+  const HypothesisFilterOptions& filter = options.localization.filter;
+  if (filter.min_particles > filter.max_particles) {
+    return common::invalid_input(
+        fmt::format("laser.localization.filter.min_particles is {}; allowed is up to max_particles, which is {}",
+                    filter.min_particles, filter.max_particles));
+  }
   auto surfaces = surface_map(map.grid, options.map);
   if (!surfaces) return common::invalid_input(map.name + ": " + surfaces.error().message);
   const LikelihoodField field(map.grid, options.localization.beam_model.farthest);

@@ -34,10 +34,10 @@ struct LocalizationMap {
 /// Deterministic in the sequence of calls and the seed.
 class LaserLocalization : public common::SlamModule {
  public:
-  /// Localises the scans named `sensor`. Uses `options.localization` and, of the rest, motion, matcher, max_range and
-  /// compensate_sweep. Errors (kInvalidInput): a calibration that cannot be used (see LaserSlam), a grid that cannot be
-  /// (see surface_map) or is without any free or any occupied cell, a state that does not belong to LaserSlam or has
-  /// another cell size than the options.
+  /// Localises the scans named `sensor`. Uses `options.localization` and, of the rest, what concerns scans, matching,
+  /// motion and maps, not the filter's. Errors (kInvalidInput): a calibration that cannot be used (see LaserSlam), a
+  /// grid that cannot be (see surface_map) or is without any free or any occupied cell, a state that does not belong to
+  /// LaserSlam or has another cell size than the options, more min_particles than max_particles.
   static common::Result<std::unique_ptr<LaserLocalization>> create(const LaserSlamOptions& options,
                                                                    const std::string& sensor,
                                                                    const common::LaserCalibration& calibration,

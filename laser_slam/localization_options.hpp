@@ -60,7 +60,8 @@ struct HypothesisFilterOptions {
   double merge_angle = 0.25;
 
   void describe(common::OptionVisitor& visit) {
-    visit.integer("max_particles", max_particles, {100, 1000000}, "", "Particles of all hypotheses together at most.");
+    visit.integer("max_particles", max_particles, {100, 1000000}, "",
+                  "Particles of all hypotheses together at most, but for the min_particles that each may have.");
     visit.integer("min_particles", min_particles, {10, 10000}, "", "Particles of a hypothesis at least.");
     visit.real("kld_error", kld_error, {0.001, 1.0}, "nat",
                "Divergence from the true distribution that the number of particles of a hypothesis allows.");

@@ -35,9 +35,9 @@ testing::Walls rectangle() {
 /// A robot in a world, one scan each 0.1 s, with 1 cm of range noise and odometry that drifts by 3 percent.
 class Robot {
  public:
-  Robot(testing::Walls walls, const LocalizationMap& map, std::uint64_t seed = 1)
+  Robot(testing::Walls walls, const LocalizationMap& map, std::uint64_t seed = 1, const LaserSlamOptions& options = {})
       : walls_(std::move(walls)), laser_(testing::full_circle_laser()), noise_(99, 0) {
-    auto module = LaserLocalization::create(LaserSlamOptions{}, "laser0", laser_, map, seed);
+    auto module = LaserLocalization::create(options, "laser0", laser_, map, seed);
     EXPECT_TRUE(module) << (module ? "" : module.error().message);
     if (module) module_ = std::move(*module);
   }
@@ -268,6 +268,22 @@ TEST(LaserLocalization, TellsTheHypothesesOfTheLastScan) {
   EXPECT_LT(nearest, 0.15);
 }
 
+TEST(LaserLocalization, TakesMoreHypothesesThanParticles) {
+  LaserSlamOptions options;
+  options.localization.filter.max_particles = 100;
+  options.localization.filter.min_particles = 10;
+  options.localization.filter.least_mass = 0.0;
+  options.localization.search.candidates = 1000;
+  options.localization.search.kept_share = 0.05;
+  Robot robot(testing::ring(), {"ring", testing::draw(testing::ring(), -1.0, -1.0, 13.0, 13.0), {}}, 1, options);
+  robot.truth = {0.1, 2.0, 1.5};
+  robot.step({});
+  EXPECT_GT(robot.module().hypotheses().size(), 100U);
+  for (const Hypothesis& hypothesis : robot.module().hypotheses()) EXPECT_GE(hypothesis.particles, 1);
+  robot.drive(10, std::nullopt, {0.05, 0.0, 0.0});
+  EXPECT_TRUE(robot.estimate.pose.is_finite());
+}
+
 TEST(LaserLocalization, KnowsInHindsightWhereItBegan) {
   Robot robot(testing::room(), testing::room_map());
   robot.truth = {1.0, 0.5, 0.2};
@@ -306,6 +322,16 @@ TEST(LaserLocalization, RefusesAMapWithNothingInItAndABrokenState) {
   broken.laser_state = "not a state";
   EXPECT_FALSE(create(broken));
   EXPECT_FALSE(create(LocalizationMap{}));
+}
+
+TEST(LaserLocalization, RefusesMoreParticlesForOneHypothesisThanForAll) {
+  LaserSlamOptions options;
+  options.localization.filter.min_particles = 500;
+  options.localization.filter.max_particles = 100;
+  const auto made =
+      LaserLocalization::create(options, "laser0", testing::full_circle_laser(), testing::room_map(), 1);
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().message, HasSubstr("min_particles is 500; allowed is up to max_particles, which is 100"));
 }
 
 TEST(SurfaceMap, KnowsWallsWhereverTheGridsCornerLies) {
