@@ -292,8 +292,13 @@ class LaserLocalization::Impl {
                   std::max(1, local_.filter.max_particles / static_cast<int>(newcomers.size())));
     }
     known_ = filter_.hypotheses();
+    std::erase_if(held_since_, [&](const auto& held) { return !is_known(held.first); });
     for (const Hypothesis& hypothesis : known_) held_since_.try_emplace(hypothesis.id, path_.now());
     return any;
+  }
+
+  bool is_known(int id) const {
+    return std::any_of(known_.begin(), known_.end(), [&](const Hypothesis& hypothesis) { return hypothesis.id == id; });
   }
 
   bool is_held(const Pose2& pose) const {
