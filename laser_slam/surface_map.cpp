@@ -12,12 +12,14 @@ namespace {
 
 constexpr int kOccupiedPercent = 65;
 constexpr std::int8_t kCertainLogOdds = 100;
+constexpr double kSmallestCell = 1e-4;     // [m]; the search of a map takes memory by the cells in its step
 constexpr double kFarthestCell = 1 << 30;  // cell numbers are integers
 constexpr int kMask = Tile::kSide - 1;
 
 common::Result<void> check(const common::OccupancyGrid& grid) {
-  if (!(grid.resolution > 0.0) || !std::isfinite(grid.resolution)) {
-    return common::invalid_input(fmt::format("cells are {} m wide, allowed is any positive number", grid.resolution));
+  if (!(grid.resolution >= kSmallestCell) || !std::isfinite(grid.resolution)) {
+    return common::invalid_input(
+        fmt::format("cells are {} m wide, allowed are {} m and more", grid.resolution, kSmallestCell));
   }
   const auto cells = static_cast<std::int64_t>(grid.width) * grid.height;
   if (grid.width <= 0 || grid.height <= 0 || grid.cells.size() != static_cast<std::size_t>(cells)) {

@@ -328,8 +328,7 @@ TEST(LaserLocalization, RefusesMoreParticlesForOneHypothesisThanForAll) {
   LaserSlamOptions options;
   options.localization.filter.min_particles = 500;
   options.localization.filter.max_particles = 100;
-  const auto made =
-      LaserLocalization::create(options, "laser0", testing::full_circle_laser(), testing::room_map(), 1);
+  const auto made = LaserLocalization::create(options, "laser0", testing::full_circle_laser(), testing::room_map(), 1);
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message, HasSubstr("min_particles is 500; allowed is up to max_particles, which is 100"));
 }
@@ -369,6 +368,7 @@ TEST(SurfaceMap, RefusesAGridNoMapCanBe) {
   };
   refused([](auto& grid) { grid.resolution = 0.0; }, "cells are 0 m wide");
   refused([](auto& grid) { grid.resolution = NAN; }, "cells are nan m wide");
+  refused([](auto& grid) { grid.resolution = 1e-8; }, "allowed are 0.0001 m and more");
   refused([](auto& grid) { grid.cells.pop_back(); }, "has 3 cells");
   refused([](auto& grid) { grid.width = 0; }, "the grid is 0 x 2");
   refused([](auto& grid) { grid.origin.x() = 30000.0; }, "allowed is up to 20000 m");
