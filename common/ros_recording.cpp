@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/ros_recording.hpp"
 
-#include <algorithm>
 #include <deque>
-#include <map>
 #include <set>
 #include <utility>
 

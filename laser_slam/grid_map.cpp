@@ -2,7 +2,6 @@
 #include "laser_slam/grid_map.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 

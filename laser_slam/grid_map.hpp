@@ -42,8 +42,7 @@ class GridMap {
   /// Cells with endpoints are matched while their integer log-odds are below this.
   std::int8_t occupied_below() const { return occupied_below_; }
 
-  /// Draws a scan made at `pose`. A cell goes up for every beam that ends in it, and
-  /// down once where beams only pass.
+  /// Draws a scan made at `pose`. A cell goes up for every beam that ends in it, and down once where beams only pass.
   /// `path_length` is how far the robot has travelled [m]. Left out are beams more than kFarthest from the origin, and
   /// scans that would stretch the map beyond TileGrid::kMaxTiles.
   void insert(const ScanBeams& scan, const common::Pose2& pose, double path_length, InsertionScratch& scratch);

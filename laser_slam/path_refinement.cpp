@@ -2,7 +2,6 @@
 #include "laser_slam/path_refinement.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "laser_slam/parallel_for.hpp"

@@ -2,7 +2,6 @@
 #include "laser_slam/place_scores.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 

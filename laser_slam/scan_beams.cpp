@@ -11,7 +11,6 @@
 #include "common/pose2.hpp"
 
 namespace slamfuse::laser_slam {
-namespace {}  // namespace
 
 std::vector<Eigen::Vector2d> thin_hits(const std::vector<Beam>& beams, int most) {
   const auto hits = std::count_if(beams.begin(), beams.end(), [](const Beam& beam) { return beam.hit; });
@@ -83,7 +82,9 @@ common::Result<ScanBeams> project_scan(const common::LaserScan& scan, const comm
     const Eigen::Vector2d mount = calibration.T_base_laser.translation.head<2>();
     result.beams.push_back({moved * mount, moved * Eigen::Vector2d(end.head<2>()), hit});
   }
-  if (result.beams.empty()) return common::failed("no usable beam: all are NaN or below range_min");
+  if (result.beams.empty())
+    return common::failed(
+        "no usable beam: all are NaN, below range_min, or saw nothing and free_beyond_range is below range_min");
   result.match_points = thin_hits(result.beams, limits.max_match_points);
   return result;
 }

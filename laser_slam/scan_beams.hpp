@@ -30,7 +30,7 @@ std::vector<Eigen::Vector2d> thin_hits(const std::vector<Beam>& beams, int most)
 
 /// Which beams are used.
 struct BeamLimits {
-  double max_range = 80.0;         ///< farther returns are left out [m]
+  double max_range = 80.0;         ///< farther returns only tell what is free before them [m]
   double free_beyond_range = 4.0;  ///< length of a beam without return [m]
   int max_match_points = 360;      ///< thin the hits to at most this many for matching
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "laser_slam/submap.hpp"
 
-#include <cmath>
 #include <optional>
 
 #include <Eigen/LU>
