@@ -22,6 +22,7 @@
 #include "laser_slam/map_state.hpp"
 #include "laser_slam/motion_model.hpp"
 #include "laser_slam/motion_predictor.hpp"
+#include "laser_slam/pose_floor.hpp"
 #include "laser_slam/pose_search.hpp"
 #include "laser_slam/scan_beams.hpp"
 #include "laser_slam/scan_explanation.hpp"
@@ -34,8 +35,6 @@ namespace {
 using common::Pose2;
 using common::TrackingState;
 
-constexpr double kPoseFloor = 0.005;          // [m] no estimate claims to be better than this: a tenth of a cell
-constexpr double kHeadingFloor = 0.002;       // [rad] the same
 constexpr double kCandidateSpread = 0.05;     // [m] of the particles around a pose that was searched for
 constexpr double kCandidateTurn = 0.05;       // [rad] the same
 constexpr double kStrayDistance = 0.15;       // [m] a pose this far from its particles is matched from them as well
@@ -108,12 +107,12 @@ class LaserLocalization::Impl {
   }
 
   void set_pose(const common::SetPose& command) {
-    if (const auto usable = check_set_pose(command, floor_covariance()); !usable) {
+    if (const auto usable = check_set_pose(command, pose_floor()); !usable) {
       return announce("set_pose_refused", usable.error().message);
     }
     forget_hypotheses();
     filter_.add({command.pose.x, command.pose.y, common::normalize_angle(command.pose.theta)},
-                command.covariance + floor_covariance(), 0.0, local_.filter.max_particles);
+                command.covariance + pose_floor(), 0.0, local_.filter.max_particles);
     known_ = filter_.hypotheses();
     monitor_.trust();
     predictor_.forget_speed();
@@ -134,8 +133,6 @@ class LaserLocalization::Impl {
   }
 
  private:
-  static Eigen::Matrix3d floor_covariance() { return diagonal(kPoseFloor, kHeadingFloor); }
-
   void announce(std::string kind, std::string detail) {
     pending_.push_back({0, "laser", std::move(kind), std::move(detail)});
   }
@@ -223,7 +220,7 @@ class LaserLocalization::Impl {
     if (followed_ != best.id) {
       followed_ = best.id;
       pose_ = best.best * moved_;
-      covariance_ = best.covariance + floor_covariance();
+      covariance_ = best.covariance + pose_floor();
     }
     Located located = match_from(pose_, points, few);
     const bool strayed = distance(located.pose, mean) > kStrayDistance ||
@@ -236,7 +233,7 @@ class LaserLocalization::Impl {
     }
     pose_ = located.pose;
     const Eigen::Matrix3d information = covariance_.inverse() + matcher_.gain() * located.fit.information;
-    covariance_ = information.inverse() + floor_covariance();
+    covariance_ = information.inverse() + pose_floor();
     return located;
   }
 
@@ -357,7 +354,7 @@ class LaserLocalization::Impl {
 
   /// Of the matched pose, widened by the other hypotheses as far as they are probable.
   Eigen::Matrix3d mixture_covariance(const Pose2& pose) const {
-    Eigen::Matrix3d covariance = covariance_ + floor_covariance();
+    Eigen::Matrix3d covariance = covariance_ + pose_floor();
     for (std::size_t i = 1; i < known_.size(); ++i) {
       const Pose2 mean = known_[i].mean * moved_;
       const Eigen::Vector3d offset(mean.x - pose.x, mean.y - pose.y, common::angle_difference(mean.theta, pose.theta));

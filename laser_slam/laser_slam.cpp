@@ -21,6 +21,7 @@
 #include "laser_slam/particle_filter.hpp"
 #include "laser_slam/path_log.hpp"
 #include "laser_slam/path_refinement.hpp"
+#include "laser_slam/pose_floor.hpp"
 #include "laser_slam/scan_tracker.hpp"
 #include "laser_slam/tracking_monitor.hpp"
 
@@ -30,8 +31,6 @@ namespace {
 constexpr double kEnoughKnown = 0.2;       // share of a scan's beams in mapped space for its agreement to tell anything
 constexpr int kFewestKnown = 5;            // and how many of them at least
 constexpr double kMostCells = 4000.0;      // reach of a beam in the map; inserting a scan takes 4 B a cell it may meet
-constexpr double kPoseFloor = 0.005;       // [m] no estimate claims to be better than this: a tenth of a cell
-constexpr double kHeadingFloor = 0.002;    // [rad] the same
 constexpr double kDegenerateEvery = 10.0;  // [m] of path between two events of being degenerate
 
 FilterSettings filter_settings(const LaserSlamOptions& options) {
@@ -150,11 +149,6 @@ class LaserSlam::Impl {
 
   const GridMap& map() const { return refined_ ? refined_->map : filter_.best().map; }
 
-  static Eigen::Matrix3d floor_covariance() {
-    return Eigen::Vector3d(kPoseFloor * kPoseFloor, kPoseFloor * kPoseFloor, kHeadingFloor * kHeadingFloor)
-        .asDiagonal();
-  }
-
   void announce(std::string kind, std::string detail) {
     pending_.push_back({0, "laser", std::move(kind), std::move(detail)});
   }
@@ -162,13 +156,13 @@ class LaserSlam::Impl {
   /// Whether particles can be drawn as a SetPose asks.
   common::Result<void> check(const common::SetPose& command) const {
     if (!started_ && !restored_) return common::failed("there is no map yet in which a pose could be set");
-    return check_set_pose(command, floor_covariance());
+    return check_set_pose(command, pose_floor());
   }
 
   /// Draws the particles around a pose set from outside.
   void place(const common::SetPose& command) {
     const common::Pose2 pose{command.pose.x, command.pose.y, common::normalize_angle(command.pose.theta)};
-    filter_.scatter(pose, command.covariance + floor_covariance());
+    filter_.scatter(pose, command.covariance + pose_floor());
     if (can_refine()) keyframes_.push_back({{}, path_length_, false, {}});
     begin_segment(std::nullopt);
     predictor_.forget_speed();
@@ -277,7 +271,7 @@ class LaserSlam::Impl {
   /// Spread of the particles plus that of the match given the motion since the last update. Never zero.
   Eigen::Matrix3d covariance(const ScanFit& fit) const {
     const Eigen::Matrix3d prior = to_parent_frame(motion_.covariance(), pose_).inverse();
-    return filter_.spread() + (prior + matcher_.gain() * fit.information).inverse() + floor_covariance();
+    return filter_.spread() + (prior + matcher_.gain() * fit.information).inverse() + pose_floor();
   }
 
   void report_events(common::PoseEstimate& estimate, const ScanFit& fit, bool closed) {
