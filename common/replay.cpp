@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/angle.hpp"
+
 namespace slamfuse::common {
 namespace {
 
@@ -170,7 +172,8 @@ Result<void> set_sweeps(const BySensor& sweeps, RecordingInfo& info, std::set<st
       return usage_error("--sweep-duration of " + sensor +
                          " is negative, but its scans vary in length, so their last beam is not known");
     }
-    laser.angle_min += (laser.beams - 1) * laser.angle_increment;
+    // Of a full turn that begins at 180 deg the last beam would stand at 540.
+    laser.angle_min = normalize_angle(laser.angle_min + (laser.beams - 1) * laser.angle_increment);
     laser.angle_increment = -laser.angle_increment;
     reversed.insert(sensor);
   }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "common/recording_samples.hpp"
 
@@ -21,11 +22,11 @@ using ::testing::HasSubstr;
 /// ms.
 class MadeUpRecording final : public Recording {
  public:
-  MadeUpRecording() {
+  explicit MadeUpRecording(double angle_min = -1.0) {
     info_.sensors["odom0"] = {SensorKind::kOdometry, 10, ms(0), ms(900)};
     info_.sensors["laser0"] = {SensorKind::kLaser, 5, ms(50), ms(850)};
     LaserCalibration& laser = info_.calibration.lasers["laser0"];
-    laser.angle_min = -1.0;
+    laser.angle_min = angle_min;
     laser.angle_increment = 0.5;
     laser.beams = 3;
     info_.first_stamp = ms(0);
@@ -168,6 +169,11 @@ TEST(Replay, SetsHowLongASweepTakesAndWhichBeamIsFirst) {
   const auto item = (*backward)->next();
   ASSERT_TRUE(item && *item);
   EXPECT_THAT(std::get<LaserScan>(std::get<SensorMessage>(**item)).ranges, ElementsAre(3.0F, 2.0F, 1.0F));
+
+  const auto wide = replay(std::make_unique<MadeUpRecording>(6.0), options);
+  ASSERT_TRUE(wide);
+  EXPECT_NEAR((*wide)->info().calibration.lasers.at("laser0").angle_min, 7.0 - 2.0 * std::numbers::pi, 1e-12)
+      << "bearings stay within a turn";
 
   options.sweep_duration = {{"odom0", 0.1}};
   EXPECT_THAT(replay(std::make_unique<MadeUpRecording>(), options).error().message, HasSubstr("odom0 is no laser"));
