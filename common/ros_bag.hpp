@@ -19,6 +19,7 @@
 
 namespace slamfuse::common {
 
+/// A topic of a bag. One name with two types makes two.
 struct RosTopic {
   std::string name;
   std::string type;  ///< as in ROS 1, e.g. "sensor_msgs/LaserScan"

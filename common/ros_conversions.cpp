@@ -137,6 +137,8 @@ Result<CameraCalibration> camera_calibration_of(const RosCameraInfo& info, const
   return camera;
 }
 
+bool is_gray_or_colour(const std::string& encoding) { return layout_of(encoding) != nullptr; }
+
 Result<GrayImage> to_gray(const RosImage& image, ImageSize expected) {
   const PixelLayout* const layout = layout_of(image.encoding);
   if (layout == nullptr) return invalid_input("encoding '" + image.encoding + "' (known: 8 bit gray, RGB and BGR)");

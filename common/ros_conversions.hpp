@@ -24,6 +24,8 @@ Result<LaserScan> to_laser_scan(const RosLaserScan& scan, const std::string& sen
 
 /// A pinhole camera with plumb_bob distortion. Error, the reason alone: not calibrated, another model.
 Result<CameraCalibration> camera_calibration_of(const RosCameraInfo& info, const Pose3& T_base_camera);
+/// Whether to_gray() takes images of an encoding.
+bool is_gray_or_colour(const std::string& encoding);
 /// The picture in gray: mono8, 8UC1 as they are, colours by their luma. Error, the reason alone: another encoding, not
 /// of the expected size, fewer data than that takes.
 Result<GrayImage> to_gray(const RosImage& image, ImageSize expected);

@@ -27,7 +27,7 @@ Pose3 read_pose(auto& reader) {
   return pose;
 }
 
-/// Whether the pose is finite and turns by a quaternion that is not 0, which is then normalised.
+/// Whether the pose is finite and its quaternion about of unit length; it is then normalised.
 bool normalise(Pose3& pose) {
   const double norm = pose.rotation.norm();
   if (!pose.is_finite() || !(norm > 0.5 && norm < 2.0)) return false;
@@ -39,7 +39,7 @@ tl::unexpected<Error> bad_pose() {
   return invalid_input("a pose that is not finite, or whose quaternion is not of unit length");
 }
 
-/// Runs `decode` with the reader for this encoding; its problem, if there was one, becomes an error.
+/// What `read` makes of the reader for this encoding; the reader's problem, if there was one, becomes an error.
 template <class Message>
 Result<Message> decode(RosEncoding encoding, std::span<const std::uint8_t> bytes, const auto& read) {
   const auto finish = [&read](auto reader) -> Result<Message> {
@@ -72,8 +72,7 @@ Result<RosOdometry> decode_odometry(RosEncoding encoding, std::span<const std::u
   auto odometry = decode<RosOdometry>(encoding, message, [](auto& reader) {
     RosOdometry read;
     read.header = reader.header();
-    read.child_frame = reader.text();
-    if (read.child_frame.starts_with('/')) read.child_frame.erase(0, 1);
+    read.child_frame = plain_frame(reader.text());
     read.pose = read_pose(reader);
     for (std::size_t i = 0; i < kCovarianceNumbers; ++i) reader.template number<double>();
     std::array<double, 6> twist{};  // linear x, y, z, angular x, y, z
@@ -103,8 +102,7 @@ Result<std::vector<RosTransform>> decode_transforms(RosEncoding encoding, std::s
     std::vector<RosTransform> read(reader.list_length(kSmallestTransform));
     for (RosTransform& transform : read) {
       transform.header = reader.header();
-      transform.child_frame = reader.text();
-      if (transform.child_frame.starts_with('/')) transform.child_frame.erase(0, 1);
+      transform.child_frame = plain_frame(reader.text());
       transform.pose = read_pose(reader);
     }
     return read;

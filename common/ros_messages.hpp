@@ -75,8 +75,8 @@ struct RosCameraInfo {
 };
 
 /// Decode one serialised message. Errors (kInvalidInput), the reason alone: it ends early, a length does not fit, a
-/// stamp that is no time, a pose that is not finite or whose quaternion is 0. What follows the fields above is not
-/// looked at.
+/// stamp that is no time, a pose that is not finite or whose quaternion is far from unit length. What follows the
+/// fields above is not looked at.
 Result<RosLaserScan> decode_laser_scan(RosEncoding encoding, std::span<const std::uint8_t> message);
 Result<RosOdometry> decode_odometry(RosEncoding encoding, std::span<const std::uint8_t> message);
 Result<RosPoseStamped> decode_pose_stamped(RosEncoding encoding, std::span<const std::uint8_t> message);

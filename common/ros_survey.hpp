@@ -16,6 +16,7 @@ namespace slamfuse::common {
 
 /// The kinds of messages that are read.
 enum class RosType { kLaserScan, kOdometry, kImage, kCompressedImage, kCameraInfo, kPoseStamped, kTransforms, kOther };
+/// The kind of a message type written as RosTopic::type has it.
 RosType ros_type(const std::string& type);
 
 /// What a bag holds of one topic.

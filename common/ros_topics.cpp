@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/ros_conversions.hpp"
+
 namespace slamfuse::common {
 namespace {
 
@@ -33,16 +35,12 @@ bool tells_truth(const std::string& topic) {
                      [&](const char* word) { return name.find(word) != std::string::npos; });
 }
 
-bool is_gray_or_colour(const std::string& encoding) {
-  constexpr std::array kEncodings{"mono8", "8UC1", "rgb8", "bgr8", "8UC3", "rgba8", "bgra8"};
-  return std::find(kEncodings.begin(), kEncodings.end(), encoding) != kEncodings.end();
-}
-
-/// The sensor kind of a role such as "laser0"; nothing for any other word.
+/// The sensor kind of a role such as "laser0"; nothing for any other word. There is one odometry only: all who use it
+/// take every message of it for the same wheels.
 std::optional<SensorKind> kind_of_role(const std::string& role) {
-  for (const auto& [prefix, kind] : {std::pair<std::string_view, SensorKind>{"laser", SensorKind::kLaser},
-                                     {"odom", SensorKind::kOdometry},
-                                     {"cam", SensorKind::kCamera}}) {
+  if (role == "odom0") return SensorKind::kOdometry;
+  for (const auto& [prefix, kind] :
+       {std::pair<std::string_view, SensorKind>{"laser", SensorKind::kLaser}, {"cam", SensorKind::kCamera}}) {
     if (!role.starts_with(prefix) || role.size() == prefix.size()) continue;
     if (role.find_first_not_of("0123456789", prefix.size()) == std::string::npos) return kind;
   }

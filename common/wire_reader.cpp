@@ -20,12 +20,6 @@ std::span<const std::uint8_t> behind_encapsulation(std::span<const std::uint8_t>
 
 std::string to_text(std::span<const std::uint8_t> bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// Frames were written with and without a leading '/' in ROS 1; tf2 takes both for one.
-std::string plain_frame(std::string frame) {
-  if (frame.starts_with('/')) frame.erase(0, 1);
-  return frame;
-}
-
 /// A stamp of seconds and nanoseconds; nothing when there is no such time.
 bool to_stamp(std::int64_t seconds, std::uint32_t nanoseconds, Nanoseconds& stamp) {
   if (seconds < 0 || seconds >= kLatestStamp / kNanosecondsPerSecond || nanoseconds >= kNanosecondsPerSecond) {
@@ -36,6 +30,11 @@ bool to_stamp(std::int64_t seconds, std::uint32_t nanoseconds, Nanoseconds& stam
 }
 
 }  // namespace
+
+std::string plain_frame(std::string frame) {
+  if (frame.starts_with('/')) frame.erase(0, 1);
+  return frame;
+}
 
 std::size_t WireReader::list_length(std::size_t item_bytes) {
   const auto count = number<std::uint32_t>();

@@ -58,10 +58,13 @@ class WireReader {
   std::string problem_;
 };
 
+/// A frame's name without the leading '/' that ROS 1 allowed: tf2 takes both for one.
+std::string plain_frame(std::string frame);
+
 /// The head of most ROS messages.
 struct RosHeader {
   Nanoseconds stamp = 0;  ///< 0 to kLatestStamp, else the reader has a problem
-  std::string frame;      ///< without the leading '/' that ROS 1 allowed
+  std::string frame;      ///< by plain_frame()
 };
 
 /// Common Data Representation as ROS 2 writes it: classic CDR (XCDR1) of either byte order behind the four bytes of the

@@ -214,6 +214,9 @@ TEST_P(EveryBag, LetsTopicsBeChosen) {
   const auto wrong_role = open_recording(path, {{{"sonar0", "/scan"}}, ""});
   ASSERT_FALSE(wrong_role);
   EXPECT_THAT(wrong_role.error().message, HasSubstr("known are laserN, odom0, camN and truth"));
+  const auto second_odometry = open_recording(path, {{{"odom0", "/odom"}, {"odom1", "/odom"}}, ""});
+  ASSERT_FALSE(second_odometry);
+  EXPECT_THAT(second_odometry.error().message, HasSubstr("topic of odom1: known are laserN, odom0"));
   const auto other_truth = read_ground_truth(path, {{{"truth", "/odom"}}, ""});
   ASSERT_TRUE(other_truth) << other_truth.error().message;
   EXPECT_NEAR(other_truth->back().pose.y, 0.0, 1e-12);
