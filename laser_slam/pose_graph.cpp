@@ -68,6 +68,8 @@ std::vector<common::Pose2> optimise_poses(const std::vector<common::Pose2>& init
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  // Not SuiteSparse: its sums depend on the BLAS that is installed.
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.max_num_iterations = 50;
   options.num_threads = 1;  // sums in one fixed order
   options.logging_type = ceres::SILENT;
