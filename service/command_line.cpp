@@ -221,6 +221,44 @@ class RunFlags {
   }
 };
 
+class PlayFlags {
+ public:
+  explicit PlayFlags(CLI::App& app) : command_(app.add_subcommand("play", "Publish a recording as ROS 2 topics")) {
+    command_->add_option("RECORDING", request_.recording, "Any recording that `run` takes")->required();
+    recording_.add_to(*command_);
+    command_->add_option("--rate", request_.rate, "Recording seconds in a second, above 0")
+        ->check(finite_from(1e-3))
+        ->capture_default_str();
+    command_->add_option("--stamps", stamps_, "recorded: as they are; now: all moved so that the first is now")
+        ->check(CLI::IsMember({"recorded", "now"}))
+        ->capture_default_str();
+    command_->add_option("--from", request_.from, "Start this many seconds into the recording")
+        ->check(finite_from(0.0));
+    command_->add_option("--to", to_, "End this many seconds into the recording")->check(finite_from(0.0));
+    command_->add_option("--wait", request_.wait, "Wait at most so many seconds for listeners to every topic")
+        ->check(finite_from(0.0))
+        ->capture_default_str();
+  }
+
+  bool chosen() const { return command_->parsed(); }
+
+  Result<CommandRequest> request() {
+    auto recording = recording_.read();
+    if (!recording) return tl::unexpected(recording.error());
+    request_.recording_options = std::move(*recording);
+    request_.stamps = stamps_ == "now" ? PlayStamps::kNow : PlayStamps::kRecorded;
+    request_.to = to_;
+    return request_;
+  }
+
+ private:
+  CLI::App* command_;
+  PlayRequest request_;
+  RecordingFlags recording_;
+  std::string stamps_ = "recorded";
+  std::optional<double> to_;
+};
+
 class AlignFlags {
  public:
   explicit AlignFlags(CLI::App& app)
@@ -362,6 +400,7 @@ Result<CommandRequest> parse_command_line(int argc, const char* const* argv) {
   app.set_version_flag("--version", std::string("slamfuse ") + program_version());
   app.require_subcommand(1);
   RunFlags run(app);
+  PlayFlags play(app);
   AlignFlags align(app);
   EvaluateFlags evaluate(app);
   InfoFlags info(app);
@@ -377,6 +416,7 @@ Result<CommandRequest> parse_command_line(int argc, const char* const* argv) {
     return common::usage_error(std::string(error.what()) + "\nRun with --help for more information.");
   }
   if (run.chosen()) return run.request();
+  if (play.chosen()) return play.request();
   if (align.chosen()) return align.request();
   if (evaluate.chosen()) return evaluate.request();
   if (info.chosen()) return info.request();

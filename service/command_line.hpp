@@ -8,6 +8,7 @@
 #include "service/align_command.hpp"
 #include "service/evaluate_command.hpp"
 #include "service/info_command.hpp"
+#include "service/play_command.hpp"
 #include "service/run_request.hpp"
 
 namespace slamfuse::service {
@@ -18,7 +19,7 @@ struct PrintRequest {
 };
 
 /// What the user asked for.
-using CommandRequest = std::variant<PrintRequest, RunRequest, AlignRequest, EvaluateRequest, InfoRequest>;
+using CommandRequest = std::variant<PrintRequest, RunRequest, PlayRequest, AlignRequest, EvaluateRequest, InfoRequest>;
 
 /// Reads the command line, and the configuration file it names. Errors: kUsage for the command line itself,
 /// kInvalidInput for the configuration file.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/dds_publisher.hpp"
 
-#include <algorithm>
-#include <chrono>
 #include <map>
 #include <string>
 #include <utility>
@@ -10,6 +8,7 @@
 #include "idl/domain_settings.hpp"
 #include "idl/participant.hpp"
 #include "idl/writer.hpp"
+#include "service/deadline.hpp"
 #include "service/rate_limit.hpp"
 #include "service/ros_conversion.hpp"
 
@@ -20,21 +19,6 @@ using common::PoseSource;
 
 const std::string kMapFrame = "map";
 const std::string kOdomFrame = "odom";
-
-using Seconds = std::chrono::duration<double>;
-
-// Time left of a budget that several waits share.
-class Deadline {
- public:
-  explicit Deadline(double seconds) : end_(std::chrono::steady_clock::now() + Seconds(seconds)) {}
-  std::chrono::nanoseconds left() const {
-    const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(end_ - std::chrono::steady_clock::now());
-    return std::max(left, std::chrono::nanoseconds::zero());
-  }
-
- private:
-  std::chrono::time_point<std::chrono::steady_clock, std::chrono::duration<double>> end_;
-};
 
 }  // namespace
 

@@ -60,6 +60,9 @@ Result<std::string> carry_out(const service::CommandRequest& request) {
     if (service::ProgressLine::is_wanted()) progress.emplace();
     return service::run_recording(*run, progress ? &*progress : nullptr, stop_requested, [] { run_under_way = true; });
   }
+  if (const auto* play = std::get_if<service::PlayRequest>(&request)) {
+    return service::run_play(*play, stop_requested, [] { run_under_way = true; });
+  }
   if (const auto* align = std::get_if<service::AlignRequest>(&request)) return service::run_align(*align);
   if (const auto* evaluate = std::get_if<service::EvaluateRequest>(&request)) return service::run_evaluate(*evaluate);
   if (const auto* info = std::get_if<service::InfoRequest>(&request)) return service::run_info(*info);
