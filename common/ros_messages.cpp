@@ -27,18 +27,6 @@ Pose3 read_pose(auto& reader) {
   return pose;
 }
 
-/// Whether the pose is finite and its quaternion about of unit length; it is then normalised.
-bool normalise(Pose3& pose) {
-  const double norm = pose.rotation.norm();
-  if (!pose.is_finite() || !(norm > 0.5 && norm < 2.0)) return false;
-  pose.rotation.coeffs() /= norm;
-  return true;
-}
-
-tl::unexpected<Error> bad_pose() {
-  return invalid_input("a pose that is not finite, or whose quaternion is not of unit length");
-}
-
 /// What `read` makes of the reader for this encoding; the reader's problem, if there was one, becomes an error.
 template <class Message>
 Result<Message> decode(RosEncoding encoding, std::span<const std::uint8_t> bytes, const auto& read) {
@@ -51,6 +39,15 @@ Result<Message> decode(RosEncoding encoding, std::span<const std::uint8_t> bytes
 }
 
 }  // namespace
+
+Result<void> normalise(Pose3& pose) {
+  const double norm = pose.rotation.norm();
+  if (!pose.is_finite() || !(norm > 0.5 && norm < 2.0)) {
+    return invalid_input("a pose that is not finite, or whose quaternion is not of unit length");
+  }
+  pose.rotation.coeffs() /= norm;
+  return {};
+}
 
 Result<RosLaserScan> decode_laser_scan(RosEncoding encoding, std::span<const std::uint8_t> message) {
   return decode<RosLaserScan>(encoding, message, [](auto& reader) {
@@ -81,8 +78,9 @@ Result<RosOdometry> decode_odometry(RosEncoding encoding, std::span<const std::u
     read.turn_rate = twist.back();
     return read;
   });
-  if (odometry && !normalise(odometry->pose)) return bad_pose();
-  if (odometry && !(std::isfinite(odometry->forward_speed) && std::isfinite(odometry->turn_rate))) {
+  if (!odometry) return odometry;
+  if (const auto good = normalise(odometry->pose); !good) return tl::unexpected(good.error());
+  if (!(std::isfinite(odometry->forward_speed) && std::isfinite(odometry->turn_rate))) {
     return invalid_input("a speed that is not finite");
   }
   return odometry;
@@ -93,7 +91,8 @@ Result<RosPoseStamped> decode_pose_stamped(RosEncoding encoding, std::span<const
     const RosHeader header = reader.header();
     return RosPoseStamped{header, read_pose(reader)};
   });
-  if (pose && !normalise(pose->pose)) return bad_pose();
+  if (!pose) return pose;
+  if (const auto good = normalise(pose->pose); !good) return tl::unexpected(good.error());
   return pose;
 }
 
@@ -109,7 +108,7 @@ Result<std::vector<RosTransform>> decode_transforms(RosEncoding encoding, std::s
   });
   if (!transforms) return transforms;
   for (RosTransform& transform : *transforms) {
-    if (!normalise(transform.pose)) return bad_pose();
+    if (const auto good = normalise(transform.pose); !good) return tl::unexpected(good.error());
   }
   return transforms;
 }

@@ -74,6 +74,10 @@ struct RosCameraInfo {
   std::vector<double> k;  ///< 9, row-major
 };
 
+/// Makes the quaternion of a pose from a message one of unit length. Error (kInvalidInput), the reason alone: the pose
+/// is not finite, or its quaternion so far from that length that it is no rotation.
+Result<void> normalise(Pose3& pose);
+
 /// Decode one serialised message. Errors (kInvalidInput), the reason alone: it ends early, a length does not fit, a
 /// stamp that is no time, a pose that is not finite or whose quaternion is far from unit length. What follows the
 /// fields above is not looked at.

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include <dds/ddsc/dds_public_alloc.h>
@@ -13,6 +14,15 @@
 #include "idl/messages.hpp"
 
 namespace slamfuse::idl {
+
+/// The ROS name of a DDS type name "pkg::msg::dds_::Type_".
+inline std::string ros_type_name(std::string dds_type) {
+  constexpr std::string_view kMark = "dds_::";
+  if (const auto mark = dds_type.find(kMark); mark != std::string::npos) dds_type.erase(mark, kMark.size());
+  for (auto at = dds_type.find("::"); at != std::string::npos; at = dds_type.find("::")) dds_type.replace(at, 2, "/");
+  if (dds_type.ends_with('_')) dds_type.pop_back();
+  return dds_type;
+}
 
 /// Owns one message and everything it points to (strings, sequences), starting as all zeros. Moves, does not copy.
 template <class T>
@@ -31,6 +41,12 @@ class Message {
   };
   std::unique_ptr<T, Free> sample_;
 };
+
+/// The name ROS 2 knows the type by, e.g. "sensor_msgs/msg/LaserScan".
+template <class T>
+std::string ros_type_name() {
+  return ros_type_name(std::string(descriptor<T>().m_typename));
+}
 
 /// Replaces a string field of a message. The text ends at its first NUL, as on the wire.
 inline void assign(char*& field, const std::string& text) {

@@ -33,6 +33,8 @@ class Reader {
   }
 
   int matched_writers() const { return reader_.matched_writers(); }
+  /// May be asked from another thread.
+  ReaderHealth health() const { return reader_.health(); }
 
  private:
   explicit Reader(UntypedReader reader) : reader_(std::move(reader)) {}

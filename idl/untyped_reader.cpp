@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "idl/untyped_reader.hpp"
 
+#include <cstdint>
 #include <utility>
 
 #include <dds/dds.h>
@@ -8,6 +9,23 @@
 #include "idl/ros_name.hpp"
 
 namespace slamfuse::idl {
+namespace {
+
+// The policies ROS 2 users set, in their words.
+std::string policy_name(std::uint32_t policy) {
+  switch (policy) {
+    case DDS_RELIABILITY_QOS_POLICY_ID:
+      return "reliability";
+    case DDS_DURABILITY_QOS_POLICY_ID:
+      return "durability";
+    case DDS_DATA_REPRESENTATION_QOS_POLICY_ID:
+      return "data representation";
+    default:
+      return "policy " + std::to_string(policy);
+  }
+}
+
+}  // namespace
 
 common::Result<UntypedReader> UntypedReader::create(const Participant& participant, const dds_topic_descriptor& type,
                                                     const std::string& topic, QosProfile profile) {
@@ -63,6 +81,18 @@ int UntypedReader::matched_writers() const {
   dds_subscription_matched_status_t status{};
   if (dds_get_subscription_matched_status(reader_.handle(), &status) != DDS_RETCODE_OK) return 0;
   return static_cast<int>(status.current_count);
+}
+
+ReaderHealth UntypedReader::health() const {
+  ReaderHealth health{matched_writers(), {}, 0};
+  dds_requested_incompatible_qos_status_t incompatible{};
+  if (dds_get_requested_incompatible_qos_status(reader_.handle(), &incompatible) == DDS_RETCODE_OK &&
+      incompatible.total_count > 0) {
+    health.incompatible_qos = policy_name(incompatible.last_policy_id);
+  }
+  dds_sample_lost_status_t lost{};
+  if (dds_get_sample_lost_status(reader_.handle(), &lost) == DDS_RETCODE_OK) health.lost = lost.total_count;
+  return health;
 }
 
 }  // namespace slamfuse::idl

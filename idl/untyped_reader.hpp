@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 
 #include "common/error.hpp"
@@ -12,6 +13,14 @@ struct dds_topic_descriptor;
 
 namespace slamfuse::idl {
 
+/// How a reader fares with the writers of its topic.
+struct ReaderHealth {
+  int matched_writers = 0;
+  std::string
+      incompatible_qos;  ///< what a writer offers that is not enough, e.g. "reliability"; empty: all offer enough
+  std::size_t lost = 0;  ///< messages that never arrived, as far as the transport knows
+};
+
 /// What Reader<T> does without knowing T.
 class UntypedReader {
  public:
@@ -20,6 +29,7 @@ class UntypedReader {
   /// Fills `sample` (zeroed memory of the type) with the next message; false when there is none within `timeout`.
   common::Result<bool> take(void* sample, std::chrono::nanoseconds timeout);
   int matched_writers() const;
+  ReaderHealth health() const;
 
  private:
   UntypedReader(Participant participant, Entity topic, Entity reader, Entity condition, Entity waitset,

@@ -77,10 +77,11 @@ struct RecordingFlags {
   void add_to(CLI::App& command) {
     command
         .add_option("--topic", topics,
-                    "SENSOR=TOPIC of a ROS bag, e.g. laser0=/front/scan, odom0=/tf, truth=/mocap/pose; `none` leaves "
+                    "SENSOR=TOPIC of a ROS bag or of the robot, e.g. laser0=/front/scan, odom0=/tf, truth=/mocap/pose; "
+                    "`none` leaves "
                     "it out; repeatable")
         ->allow_extra_args(false);
-    command.add_option("--base-frame", base_frame, "Frame of the robot in a ROS bag (default: base_link or alike)");
+    command.add_option("--base-frame", base_frame, "Frame of the robot (default: base_link or, in a bag, alike)");
   }
 
   Result<common::RecordingOptions> read() const {
@@ -219,6 +220,74 @@ class RunFlags {
     request.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, kMaxThreads);
     return request;
   }
+};
+
+/// More threads than processors only cost memory; a live pipeline has no use for fewer than two.
+int all_threads() { return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 2, kMaxThreads); }
+
+class ServeFlags {
+ public:
+  explicit ServeFlags(CLI::App& app)
+      : command_(app.add_subcommand("serve", "The service: laser and visual SLAM, fused, on a robot's ROS 2 topics")) {
+    command_->add_option("-o,--out", request_.run.out, "Folder for the map and, at the end, all results")->required();
+    configuration_.add_to(*command_);
+    recording_.add_to(*command_);
+    command_->add_option("--mode", mode_, "slam: make a map; localization: the laser finds itself in --map")
+        ->check(CLI::IsMember({"slam", "localization"}))
+        ->capture_default_str();
+    command_->add_option("--map", map_, "Map to continue in (a bundle) or to localise in (also a map of Nav2)");
+    command_
+        ->add_option("--modules", request_.run.modules, "Which halves run: laser,visual (default: all with a sensor)")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember({"laser", "visual"}));
+    command_->add_option("--visual-odometry", visual_odometry_, "off: visual SLAM runs without wheel odometry")
+        ->check(CLI::IsMember({"on", "off"}));
+    command_
+        ->add_option("--readout", readout_,
+                     "CAMERA=S: from the first row to the last of a rolling shutter, which camera_info cannot tell; "
+                     "repeatable")
+        ->allow_extra_args(false);
+    command_->add_option("--seed", request_.run.seed, "Seed of everything random")
+        ->check(whole_number())
+        ->capture_default_str();
+  }
+
+  bool chosen() const { return command_->parsed(); }
+
+  Result<CommandRequest> request() {
+    RunRequest& run = request_.run;
+    if (mode_ == "localization") {
+      if (!map_) return common::usage_error("--mode localization: needs the --map to localise in");
+      run.mode = RunMode::kLocalization;
+    }
+    auto configuration = configuration_.read();
+    if (!configuration) return tl::unexpected(configuration.error());
+    auto readout = parse_seconds_by_sensor("--readout", readout_, 0.0);
+    if (!readout) return tl::unexpected(readout.error());
+    auto recording = recording_.read();
+    if (!recording) return tl::unexpected(recording.error());
+    run.configuration = *configuration;
+    if (visual_odometry_ == "off") {
+      run.configuration.visual.motion.model = visual_slam::MotionModelKind::kConstantVelocity;
+    }
+    if (map_) run.map = *map_;
+    run.threads = all_threads();
+    request_.source.topics = std::move(recording->topics);
+    request_.source.readout = std::move(*readout);
+    if (!recording->base_frame.empty()) request_.source.base_frame = recording->base_frame;
+    return request_;
+  }
+
+ private:
+  CLI::App* command_;
+  ConfigurationFlags configuration_;
+  RecordingFlags recording_;
+  ServeRequest request_;
+  std::string mode_ = "slam";
+  std::optional<std::string> map_;
+  std::string visual_odometry_ = "on";
+  std::vector<std::string> readout_;
 };
 
 class PlayFlags {
@@ -400,6 +469,7 @@ Result<CommandRequest> parse_command_line(int argc, const char* const* argv) {
   app.set_version_flag("--version", std::string("slamfuse ") + program_version());
   app.require_subcommand(1);
   RunFlags run(app);
+  ServeFlags serve(app);
   PlayFlags play(app);
   AlignFlags align(app);
   EvaluateFlags evaluate(app);
@@ -416,6 +486,7 @@ Result<CommandRequest> parse_command_line(int argc, const char* const* argv) {
     return common::usage_error(std::string(error.what()) + "\nRun with --help for more information.");
   }
   if (run.chosen()) return run.request();
+  if (serve.chosen()) return serve.request();
   if (play.chosen()) return play.request();
   if (align.chosen()) return align.request();
   if (evaluate.chosen()) return evaluate.request();

@@ -10,6 +10,7 @@
 #include "service/info_command.hpp"
 #include "service/play_command.hpp"
 #include "service/run_request.hpp"
+#include "service/serve_command.hpp"
 
 namespace slamfuse::service {
 
@@ -19,7 +20,8 @@ struct PrintRequest {
 };
 
 /// What the user asked for.
-using CommandRequest = std::variant<PrintRequest, RunRequest, PlayRequest, AlignRequest, EvaluateRequest, InfoRequest>;
+using CommandRequest =
+    std::variant<PrintRequest, RunRequest, ServeRequest, PlayRequest, AlignRequest, EvaluateRequest, InfoRequest>;
 
 /// Reads the command line, and the configuration file it names. Errors: kUsage for the command line itself,
 /// kInvalidInput for the configuration file.

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "fusion/fused_map.hpp"
 #include "idl/domain_settings.hpp"
 #include "idl/participant.hpp"
 #include "idl/writer.hpp"
@@ -151,6 +152,14 @@ void DdsPublisher::on_status(const fusion::StatusEntry& status) {
   std::vector<fusion::StatusEntry> latest;
   for (const auto& [source, entry] : state_->latest_status) latest.push_back(entry);
   state_->send(state_->status, to_ros_status({status.stamp, kMapFrame}, latest));
+}
+
+void DdsPublisher::on_checkpoint(PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) {
+  if (source != PoseSource::kVisual || checkpoint->landmarks.empty()) return;
+  const auto alignment = state_->current_alignment();
+  if (!alignment || !alignment->accepted) return;
+  const auto landmarks = fusion::to_laser_frame(checkpoint->landmarks, *alignment);
+  state_->send(state_->landmarks, to_ros_cloud({state_->newest_stamp, kMapFrame}, landmarks));
 }
 
 void DdsPublisher::on_map(common::Nanoseconds stamp, const std::shared_ptr<const common::OccupancyGrid>& map) {

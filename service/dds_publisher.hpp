@@ -44,6 +44,8 @@ class DdsPublisher : public PipelineObserver {
   void on_estimate(const common::PoseEstimate& estimate) override;
   void on_corrected_pose(const fusion::CorrectedPose& pose) override;
   void on_status(const fusion::StatusEntry& status) override;
+  /// Landmarks, when they are aligned.
+  void on_checkpoint(common::PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) override;
   void on_map(common::Nanoseconds stamp, const std::shared_ptr<const common::OccupancyGrid>& map) override;
 
   /// Publishes the outcome and waits until the listeners have it, as long as the options allow.

@@ -2,6 +2,7 @@
 #include "service/durable_file.hpp"
 
 #include <cerrno>
+#include <cstdio>
 #include <string>
 #include <system_error>
 
@@ -74,7 +75,14 @@ common::Result<void> write_durably(const fs::path& path, std::string_view conten
 
 common::Result<void> replace_path(const fs::path& from, const fs::path& to) {
   std::error_code error;
-  const fs::path old = old_name(to);
+  // At no moment there is nothing under the name, so that a process killed here leaves the old or the new.
+  if (fs::is_directory(fs::symlink_status(to, error)) &&
+      ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0) {
+    fs::remove_all(from, error);
+    return {};
+  }
+  error.clear();
+  const fs::path old = old_name(to);  // for file systems that cannot exchange
   fs::remove_all(old, error);
   if (fs::is_directory(fs::symlink_status(to, error))) fs::rename(to, old, error);
   if (error && error != std::errc::no_such_file_or_directory) return cannot("replace", to, error.value());

@@ -60,6 +60,13 @@ Result<std::string> carry_out(const service::CommandRequest& request) {
     if (service::ProgressLine::is_wanted()) progress.emplace();
     return service::run_recording(*run, progress ? &*progress : nullptr, stop_requested, [] { run_under_way = true; });
   }
+  if (const auto* serve = std::get_if<service::ServeRequest>(&request)) {
+    const auto tell = [](const std::string& news) {
+      fmt::print(stderr, "slamfuse: {}\n", news);
+      std::fflush(stderr);
+    };
+    return service::run_serve(*serve, tell, stop_requested, [] { run_under_way = true; });
+  }
   if (const auto* play = std::get_if<service::PlayRequest>(&request)) {
     return service::run_play(*play, stop_requested, [] { run_under_way = true; });
   }

@@ -18,6 +18,7 @@ void MergeStage::handle(const MergedStep& step) {
     observer_.on_estimate(*output.estimate);
     fuse(step, *output.estimate);
     if (output.map) observer_.on_map(output.estimate->stamp, output.map);
+    if (output.checkpoint) observer_.on_checkpoint(source, output.checkpoint);
   }
   commands_.advance(step.index);
   observer_.on_step(step.stamp);

@@ -16,6 +16,7 @@
 #include "common/pose_estimate.hpp"
 #include "common/recording.hpp"
 #include "common/sensor_message.hpp"
+#include "service/module_checkpoint.hpp"
 
 namespace slamfuse::service {
 
@@ -33,7 +34,8 @@ struct NumberedMessage {
 struct ModuleOutput {
   std::optional<common::PoseEstimate> estimate;
   std::optional<common::RejectedMessage> rejected;
-  std::shared_ptr<const common::OccupancyGrid> map;  ///< a picture of its map, now and then
+  std::shared_ptr<const common::OccupancyGrid> map;    ///< a picture of its map, now and then
+  std::shared_ptr<const ModuleCheckpoint> checkpoint;  ///< now and then
 };
 
 /// One input and all that the modules made of it: what the fusion handles in one go.

@@ -9,11 +9,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-bool is_exteroceptive(const common::SensorMessage& message) {
-  return std::holds_alternative<common::LaserScan>(message) || std::holds_alternative<common::Image>(message);
+/// Whether `interval` has passed since `last`, which then moves on.
+bool is_due(common::Nanoseconds interval, common::Nanoseconds stamp, std::optional<common::Nanoseconds>& last) {
+  if (interval <= 0 || (last && stamp - *last < interval)) return false;
+  last = stamp;
+  return true;
 }
 
 }  // namespace
+
+bool ModuleStage::is_exteroceptive(const common::SensorMessage& message) {
+  return std::holds_alternative<common::LaserScan>(message) || std::holds_alternative<common::Image>(message);
+}
 
 ModuleOutput ModuleStage::process(const NumberedMessage& input, const std::vector<common::Command>& commands) {
   for (const auto& command : commands) module_.module->execute(command);
@@ -36,15 +43,21 @@ ModuleOutput ModuleStage::process(const NumberedMessage& input, const std::vecto
     ++counters_.poses;
     output.estimate = result.estimate;
     output.map = map_if_due(result.estimate->stamp);
+    output.checkpoint = checkpoint_if_due(result.estimate->stamp);
   }
   return output;
 }
 
 std::shared_ptr<const common::OccupancyGrid> ModuleStage::map_if_due(common::Nanoseconds stamp) {
-  if (!module_.map || map_interval_ <= 0) return nullptr;
-  if (last_map_ && stamp - *last_map_ < map_interval_) return nullptr;
-  last_map_ = stamp;
+  if (!module_.map || !is_due(intervals_.map, stamp, last_map_)) return nullptr;
   return std::make_shared<const common::OccupancyGrid>(module_.map());
+}
+
+std::shared_ptr<const ModuleCheckpoint> ModuleStage::checkpoint_if_due(common::Nanoseconds stamp) {
+  if (!module_.checkpoint) return nullptr;
+  if (!last_checkpoint_) last_checkpoint_ = stamp;  // the first moment is not worth saving
+  if (!is_due(intervals_.checkpoint, stamp, last_checkpoint_)) return nullptr;
+  return std::make_shared<const ModuleCheckpoint>(module_.checkpoint());
 }
 
 }  // namespace slamfuse::service

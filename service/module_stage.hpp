@@ -16,18 +16,27 @@ namespace slamfuse::service {
 
 /// A SLAM module in the pipeline.
 struct PipelineModule {
-  common::SlamModule* module = nullptr;                  ///< not owned
-  std::function<common::OccupancyGrid()> map = nullptr;  ///< a picture of its map; may be missing
+  common::SlamModule* module = nullptr;                    ///< not owned
+  std::function<common::OccupancyGrid()> map = nullptr;    ///< a picture of its map; may be missing
+  std::function<ModuleCheckpoint()> checkpoint = nullptr;  ///< all there is to save of it; may be missing
 };
 
-/// Drives one SLAM module: carries out commands, delivers inputs, counts and times, takes a map picture every
-/// `map_interval` of recording time (0: never). Used from one thread at a time.
+/// How often [recording time] things are taken out of a module; 0: never.
+struct ModuleIntervals {
+  common::Nanoseconds map = 0;
+  common::Nanoseconds checkpoint = 0;
+};
+
+/// Drives one SLAM module: carries out commands, delivers inputs, counts and times, takes map pictures and checkpoints.
+/// Used from one thread at a time.
 class ModuleStage {
  public:
-  ModuleStage(const PipelineModule& module, common::Nanoseconds map_interval)
-      : module_(module), map_interval_(map_interval) {}
+  ModuleStage(const PipelineModule& module, const ModuleIntervals& intervals)
+      : module_(module), intervals_(intervals) {}
 
   common::PoseSource source() const { return module_.module->source(); }
+  /// Whether a message is what the module is there for, a scan or an image, and not only a help.
+  static bool is_exteroceptive(const common::SensorMessage& message);
   bool wants(const common::SensorMessage& message) const { return module_.module->wants(message); }
 
   /// Carries out the commands, then processes the input.
@@ -37,10 +46,12 @@ class ModuleStage {
 
  private:
   std::shared_ptr<const common::OccupancyGrid> map_if_due(common::Nanoseconds stamp);
+  std::shared_ptr<const ModuleCheckpoint> checkpoint_if_due(common::Nanoseconds stamp);
 
   PipelineModule module_;
-  common::Nanoseconds map_interval_;
+  ModuleIntervals intervals_;
   std::optional<common::Nanoseconds> last_map_;
+  std::optional<common::Nanoseconds> last_checkpoint_;
   ModuleCounters counters_;
 };
 

@@ -32,7 +32,9 @@ struct Stages {
         pacer(options.rate),
         commands(options.command_delay),
         merge(*parts.fusion, commands, *parts.observer) {
-    for (const auto& module : parts.modules) modules.emplace_back(module, options.map_interval);
+    for (const auto& module : parts.modules) {
+      modules.emplace_back(module, ModuleIntervals{options.map_interval, options.checkpoint_interval});
+    }
   }
 
   InputNumbering inputs;
@@ -103,7 +105,7 @@ class ThreadedRun {
  public:
   ThreadedRun(const PipelineParts& parts, const PipelineOptions& options, const std::atomic<bool>& stop)
       : parts_(parts), options_(options), stop_(stop), stages_(parts, options), window_(options.queue_capacity) {
-    for (std::size_t i = 0; i < stages_.modules.size(); ++i) queues_.emplace_back(options.queue_capacity);
+    for (std::size_t i = 0; i < stages_.modules.size(); ++i) lanes_.emplace_back(options.queue_capacity);
   }
 
   common::Result<PipelineOutcome> run() {
@@ -111,18 +113,30 @@ class ThreadedRun {
       std::jthread watcher([this](const std::stop_token& done) { watch_for_stop(done); });
       std::vector<std::jthread> workers;
       for (std::size_t i = 0; i < stages_.modules.size(); ++i) {
-        workers.emplace_back(guarded([this, i] { run_module(stages_.modules[i], queues_[i]); }));
+        workers.emplace_back(guarded([this, i] { run_module(stages_.modules[i], lanes_[i]); }));
       }
       workers.emplace_back(guarded([this] { run_merge(); }));
       guarded([this] { read(); })();
     }
     if (error_) return tl::unexpected(*error_);
     stages_.merge.finish();
-    return outcome_of(stages_, rejected_, stop_);
+    PipelineOutcome outcome = outcome_of(stages_, rejected_, stop_);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      ModuleCounters& counters = outcome.counters.at(stages_.modules[i].source());
+      counters.inputs += lanes_[i].dropped;
+      counters.dropped += lanes_[i].dropped;
+    }
+    return outcome;
   }
 
  private:
-  using Queue = BoundedQueue<std::shared_ptr<const NumberedMessage>>;
+  /// The way to one module.
+  struct Lane {
+    explicit Lane(std::size_t capacity) : queue(capacity) {}
+    BoundedQueue<std::shared_ptr<const NumberedMessage>> queue;
+    std::atomic<int> backlog = 0;  // scans or images in the queue or being processed
+    std::size_t dropped = 0;       // by the reading thread only
+  };
 
   void read() {
     while (!stop_) {
@@ -132,7 +146,7 @@ class ThreadedRun {
       stages_.pacer.wait_for((*input)->step.stamp, stop_);
       if (!distribute(std::move(**input))) return;
     }
-    for (auto& queue : queues_) queue.close();
+    for (auto& lane : lanes_) lane.queue.close();
     window_.close();
   }
 
@@ -141,22 +155,32 @@ class ThreadedRun {
       ++rejected_[consumer_of(*input.step.rejected, parts_.recording->info())];
       return window_.open(std::move(input.step), {});
     }
+    const bool exteroceptive = ModuleStage::is_exteroceptive(input.message->message);
     std::set<PoseSource> receivers;
-    for (const auto& module : stages_.modules) {
-      if (module.wants(input.message->message)) receivers.insert(module.source());
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      const ModuleStage& module = stages_.modules[i];
+      if (!module.wants(input.message->message)) continue;
+      if (exteroceptive && options_.live_backlog > 0 && lanes_[i].backlog >= options_.live_backlog) {
+        ++lanes_[i].dropped;
+      } else {
+        receivers.insert(module.source());
+      }
     }
     if (!window_.open(std::move(input.step), receivers)) return false;
-    for (std::size_t i = 0; i < queues_.size(); ++i) {
-      if (receivers.contains(stages_.modules[i].source()) && !queues_[i].push(input.message)) return false;
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (!receivers.contains(stages_.modules[i].source())) continue;
+      if (exteroceptive) ++lanes_[i].backlog;
+      if (!lanes_[i].queue.push(input.message)) return false;
     }
     return true;
   }
 
-  void run_module(ModuleStage& module, Queue& queue) {
-    while (const auto input = queue.pop()) {
+  void run_module(ModuleStage& module, Lane& lane) {
+    while (const auto input = lane.queue.pop()) {
       const auto commands = stages_.commands.await(module.source(), **input);
       if (!commands) return;
       window_.complete((*input)->index, module.source(), module.process(**input, *commands));
+      if (ModuleStage::is_exteroceptive((*input)->message)) --lane.backlog;
     }
   }
 
@@ -193,7 +217,7 @@ class ThreadedRun {
   }
 
   void abort() {
-    for (auto& queue : queues_) queue.abort();
+    for (auto& lane : lanes_) lane.queue.abort();
     window_.abort();
     stages_.commands.abort();
   }
@@ -202,7 +226,7 @@ class ThreadedRun {
   const PipelineOptions& options_;
   const std::atomic<bool>& stop_;
   Stages stages_;
-  std::deque<Queue> queues_;  // one a module, in the order of stages_.modules
+  std::deque<Lane> lanes_;  // one a module, in the order of stages_.modules
   MergeWindow window_;
   RejectedByReader rejected_;  // by the reading thread only
   std::mutex error_mutex_;

@@ -21,7 +21,11 @@ struct PipelineOptions {
   std::size_t queue_capacity = 64;       ///< inputs waiting for a module
   int command_delay = 16;                ///< inputs from a fusion step to its commands taking effect, see CommandPath
   common::Nanoseconds map_interval = 0;  ///< recording time between map pictures for the observer; 0: none
-  double rate = 0.0;                     ///< recording seconds in a second of wall time; 0: as fast as possible
+  common::Nanoseconds checkpoint_interval = 0;  ///< recording time between checkpoints for the observer; 0: none
+  /// Scans, or images, that may wait for their module; more are dropped and counted. 0: a replay, nothing is dropped.
+  /// Only with several threads: one thread never has anything waiting.
+  int live_backlog = 0;
+  double rate = 0.0;  ///< recording seconds in a second of wall time; 0: as fast as possible
 };
 
 /// The parts a pipeline connects; none is owned.

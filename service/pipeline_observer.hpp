@@ -8,6 +8,7 @@
 #include "common/pose_estimate.hpp"
 #include "common/sensor_message.hpp"
 #include "fusion/fusion.hpp"
+#include "service/module_checkpoint.hpp"
 
 namespace slamfuse::service {
 
@@ -25,6 +26,9 @@ class PipelineObserver {
   virtual void on_corrected_pose(const fusion::CorrectedPose& /*pose*/) {}
   virtual void on_status(const fusion::StatusEntry& /*status*/) {}
   virtual void on_event(const common::Event& /*event*/) {}
+  /// What a module knows now, every PipelineOptions::checkpoint_interval.
+  virtual void on_checkpoint(common::PoseSource /*source*/,
+                             const std::shared_ptr<const ModuleCheckpoint>& /*checkpoint*/) {}
   /// The laser map as it is now; every PipelineOptions::map_interval when a map source was given.
   virtual void on_map(common::Nanoseconds /*stamp*/, const std::shared_ptr<const common::OccupancyGrid>& /*map*/) {}
 };
@@ -54,6 +58,9 @@ class ObserverList : public PipelineObserver {
   }
   void on_map(common::Nanoseconds stamp, const std::shared_ptr<const common::OccupancyGrid>& map) override {
     for (auto* observer : observers_) observer->on_map(stamp, map);
+  }
+  void on_checkpoint(common::PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) override {
+    for (auto* observer : observers_) observer->on_checkpoint(source, checkpoint);
   }
 
  private:

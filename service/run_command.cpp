@@ -1,65 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/run_command.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <system_error>
 
-#include <fmt/format.h>
-
-#include "fusion/fused_map.hpp"
 #include "service/dds_publisher.hpp"
 #include "service/output_folder.hpp"
-#include "service/report.hpp"
+#include "service/run_conclusion.hpp"
 #include "service/run_files.hpp"
-#include "service/run_report.hpp"
 #include "service/run_session.hpp"
 
 namespace slamfuse::service {
 namespace {
 
-bool has_pose(const RunSummary& summary) {
-  return std::any_of(summary.trajectories.begin(), summary.trajectories.end(),
-                     [](const auto& named) { return named.name != "odometry" && !named.trajectory.empty(); });
-}
-
-std::string in_words(const RunSummary& summary, const OutputFolder& folder) {
-  std::string text = verdict_in_words(report_of(summary)) + "\n";
-  for (const auto& row : summary.accuracy) {
-    text += fmt::format("  {:<13} ATE {:.3f} m rmse, {:.3f} m max, heading {:.2f} deg rmse, coverage {:.3f}\n",
-                        row.name, row.accuracy.ate_rmse_m, row.accuracy.ate_max_m, row.accuracy.heading_rmse_deg,
-                        row.accuracy.coverage);
-  }
-  return text + fmt::format("  {:.1f} s of recording in {:.1f} s, results in {}\n", summary.duration_s, summary.wall_s,
-                            folder.path().string());
-}
-
-/// What a listener on DDS gets at the end: all in the laser map's frame. Refers to the summary's grid.
-DdsFinalState final_state_of(const RunSummary& summary) {
-  DdsFinalState state;
-  if (summary.grid) state.map = &*summary.grid;
-  const bool aligned = summary.alignment && summary.alignment->accepted;
-  for (const auto& [name, trajectory] : summary.trajectories) {
-    if (name == "laser_final") state.laser = trajectory;
-    if (name == "visual_final" && aligned) state.visual = fusion::to_laser_frame(trajectory, *summary.alignment);
-    if (name == "fused_final") state.fused = trajectory;
-  }
-  if (aligned) state.landmarks = fusion::to_laser_frame(summary.landmarks, *summary.alignment);
-  return state;
-}
-
 /// The publisher `--dds` asks for; none otherwise.
 common::Result<std::unique_ptr<DdsPublisher>> make_publisher(const RunRequest& request, const RunSession& session) {
   if (!request.dds) return std::unique_ptr<DdsPublisher>();
   return DdsPublisher::create(request.configuration.service.dds, [&session] { return session.alignment(); });
-}
-
-void tell_failures(const DdsPublisher& publisher, RunSummary& summary) {
-  if (publisher.failures() == 0) return;
-  summary.log.events.push_back({summary.last_stamp, "dds", "send_failed",
-                                fmt::format("{} messages could not be sent, the first: {}", publisher.failures(),
-                                            publisher.first_failure()->message)});
 }
 
 }  // namespace
@@ -98,7 +56,7 @@ common::Result<std::string> run_recording(const RunRequest& request, PipelineObs
     return common::failed("no module could make a pose of this recording; see the events in " +
                           ((*folder)->path() / "metrics.json").string());
   }
-  return in_words(*summary, **folder);
+  return in_words(*summary, (*folder)->path());
 }
 
 }  // namespace slamfuse::service

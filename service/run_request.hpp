@@ -37,6 +37,7 @@ struct RunRequest {
   int threads = 1;
   std::uint64_t seed = 1;
   bool dds = false;
+  bool live = false;  ///< a live source: what comes too fast is dropped, checkpoints are taken, there is no truth
   double rate = 0.0;  ///< recording seconds in a second of wall time; 0: as fast as possible
 };
 

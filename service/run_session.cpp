@@ -110,26 +110,34 @@ double peak_rss_mb() {
 }  // namespace
 
 common::Result<RunSession> RunSession::create(const RunRequest& request) {
-  RunSession session(request);
   auto recording = common::open_recording(request.recording, request.recording_options);
   if (!recording) return tl::unexpected(recording.error());
   const auto replay_options = replay_options_of(request, (*recording)->info());
   auto replayed = common::replay(std::move(*recording), replay_options);
   if (!replayed) return tl::unexpected(replayed.error());
-  session.recording_ = std::move(*replayed);
+  return create(request, std::move(*replayed));
+}
 
-  if (auto made = session.make_laser(); !made) return tl::unexpected(made.error());
-  if (auto made = session.make_visual(); !made) return tl::unexpected(made.error());
-  if (!session.laser() && !session.visual_) {
-    return common::invalid_input(request.recording.string() + ": neither a laser nor a camera, nothing to do");
+common::Result<RunSession> RunSession::create(const RunRequest& request, std::unique_ptr<common::Recording> source) {
+  RunSession session(request);
+  session.recording_ = std::move(source);
+  if (auto made = session.make_parts(); !made) return tl::unexpected(made.error());
+  return session;
+}
+
+common::Result<void> RunSession::make_parts() {
+  if (auto made = make_laser(); !made) return made;
+  if (auto made = make_visual(); !made) return made;
+  if (!laser() && !visual_) {
+    return common::invalid_input(request_.recording.string() + ": neither a laser nor a camera, nothing to do");
   }
-  if (auto restored = session.restore_map(); !restored) return tl::unexpected(restored.error());
-  fusion::FusionOptions options = request.configuration.fusion;
-  if (session.laser() == nullptr) options.supervision.visual_only_after = 0.0;  // there is no laser to wait for
+  if (auto restored = restore_map(); !restored) return restored;
+  fusion::FusionOptions options = request_.configuration.fusion;
+  if (laser() == nullptr) options.supervision.visual_only_after = 0.0;  // there is no laser to wait for
   auto fusion = fusion::Fusion::create(options);
   if (!fusion) return tl::unexpected(fusion.error());
-  session.fusion_ = std::move(*fusion);
-  return session;
+  fusion_ = std::move(*fusion);
+  return {};
 }
 
 common::Result<void> RunSession::make_laser() {
@@ -203,8 +211,8 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
 
   TrajectoryFusion fusion(*fusion_);
   PipelineParts parts{recording_.get(), {}, &fusion, &observers};
-  if (laser()) parts.modules.push_back({laser(), [this] { return grid(); }});
-  if (visual_) parts.modules.push_back({visual_.get(), nullptr});
+  if (laser()) parts.modules.push_back({laser(), [this] { return grid(); }, [this] { return laser_checkpoint(); }});
+  if (visual_) parts.modules.push_back({visual_.get(), nullptr, [this] { return visual_checkpoint(); }});
 
   const ServiceOptions& service = request_.configuration.service;
   PipelineOptions options;
@@ -213,6 +221,10 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   options.command_delay = service.command_delay;
   options.map_interval = observer != nullptr ? common::from_seconds(service.map_interval) : 0;
   options.rate = request_.rate;
+  if (request_.live) {
+    options.live_backlog = service.live_backlog;
+    options.checkpoint_interval = common::from_seconds(service.save_interval);
+  }
 
   const auto start = std::chrono::steady_clock::now();
   const auto outcome = run_pipeline(parts, options, stop);
@@ -245,6 +257,16 @@ std::set<std::string> RunSession::free_scale() const {
   if (!visual_ || request_.configuration.visual.motion.model == visual_slam::MotionModelKind::kOdometry) return {};
   if (laser()) return {"visual", "visual_final"};
   return {"visual", "visual_final", "fused", "fused_final"};
+}
+
+ModuleCheckpoint RunSession::laser_checkpoint() const {
+  return {.grid = grid(),
+          .laser_state = laser_ ? laser_->serialize().value_or(std::string()) : localization_state_,
+          .path = laser()->final_trajectory()};
+}
+
+ModuleCheckpoint RunSession::visual_checkpoint() const {
+  return {.landmarks = visual_->landmarks(), .path = visual_->final_trajectory()};
 }
 
 void RunSession::gather(RunSummary& summary) const {

@@ -27,6 +27,9 @@ class RunSession {
   /// the recording (kInvalidInput), what the command line got wrong (kUsage).
   static common::Result<RunSession> create(const RunRequest& request);
 
+  /// The same on messages that come from elsewhere; of the request's options on the recording none applies.
+  static common::Result<RunSession> create(const RunRequest& request, std::unique_ptr<common::Recording> source);
+
   const common::RecordingInfo& recording() const { return recording_->info(); }
 
   /// The alignment the fusion uses; to be asked from within the observer's calls.
@@ -39,6 +42,7 @@ class RunSession {
 
  private:
   explicit RunSession(const RunRequest& request) : request_(request) {}
+  common::Result<void> make_parts();
   common::Result<void> make_laser();
   common::Result<void> make_localization(const std::string& sensor);
   common::Result<void> make_visual();
@@ -47,6 +51,8 @@ class RunSession {
   /// The laser half, whichever it is; null without one.
   common::SlamModule* laser() const;
   common::OccupancyGrid grid() const;
+  ModuleCheckpoint laser_checkpoint() const;
+  ModuleCheckpoint visual_checkpoint() const;
   void gather(RunSummary& summary) const;
   std::set<std::string> free_scale() const;  // trajectories that have no metres
 

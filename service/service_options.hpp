@@ -11,6 +11,8 @@ struct ServiceOptions {
   int command_delay = 16;
   int queue_capacity = 64;
   double map_interval = 2.0;
+  int live_backlog = 16;
+  double save_interval = 20.0;
   DdsOptions dds;
 
   void describe(common::OptionVisitor& visit) {
@@ -21,6 +23,10 @@ struct ServiceOptions {
                   "Messages that may wait for a module; bounds the memory.");
     visit.real("map_interval", map_interval, {0.1, 3600.0}, "s",
                "Recording time between two pictures of the growing map.");
+    visit.integer("live_backlog", live_backlog, {1, 10000}, "scans or images",
+                  "`serve`: so many may wait for their module; more are dropped and counted.");
+    visit.real("save_interval", save_interval, {1.0, 3600.0}, "s",
+               "`serve`: time between two saves of the map; what came since the last is lost when it is killed.");
     visit.nested("dds", dds, "Publication as ROS 2 topics.");
   }
 };

@@ -1,0 +1,529 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/live_source.hpp"
+
+#include <algorithm>
+#include <array>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/frame_tree.hpp"
+#include "common/ros_conversions.hpp"
+#include "idl/domain_settings.hpp"
+#include "idl/participant.hpp"
+#include "idl/reader.hpp"
+#include "service/recording_publisher.hpp"
+#include "service/ros_to_sensor.hpp"
+#include "service/stamp_guard.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+using namespace std::chrono_literals;
+using common::Result;
+using common::SensorKind;
+using Clock = std::chrono::steady_clock;
+
+/// How long a request to stop may go unnoticed.
+constexpr auto kNap = 50ms;
+/// Between two reports on what is missing.
+constexpr auto kReport = 5s;
+/// Cameras listened for when nobody names any.
+constexpr int kDefaultCameras = 4;
+const std::string kCompressed = "/compressed";
+
+using Payload =
+    std::variant<idl::Message<idl::LaserScan>, idl::Message<idl::Odometry>, idl::Message<idl::Image>,
+                 idl::Message<idl::CompressedImage>, idl::Message<idl::CameraInfo>, idl::Message<idl::TFMessage>>;
+
+/// A message as it came.
+struct Arrival {
+  std::size_t input = 0;
+  Clock::time_point at;
+  Payload payload;
+};
+
+/// What one topic is listened to for.
+struct Input {
+  InputState state;
+  bool required = false;
+  std::function<idl::ReaderHealth()> health;
+};
+
+/// What prepare() has heard of a sensor.
+struct Heard {
+  std::optional<common::RosLaserScan> scan;
+  std::optional<common::RosCameraInfo> camera;
+  std::string frame;     // of the sensor, or of the odometry's child
+  bool message = false;  // one with data
+  std::string problem;   // why what was heard cannot be used
+};
+
+std::optional<SensorKind> kind_of(const std::string& sensor) {
+  if (sensor.starts_with("laser")) return SensorKind::kLaser;
+  if (sensor.starts_with("cam")) return SensorKind::kCamera;
+  if (sensor.starts_with("odom")) return SensorKind::kOdometry;
+  return std::nullopt;
+}
+
+/// How a camera looks whose mounting is not told: forward, level (REP 103).
+common::Pose3 looking_forward() {
+  Eigen::Matrix3d rotation;
+  rotation << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  return {Eigen::Vector3d::Zero(), Eigen::Quaterniond(rotation)};
+}
+
+/// `camera_info` stands beside the image (ROS's image_transport does it so).
+std::string camera_info_topic(std::string image_topic) {
+  if (image_topic.ends_with(kCompressed)) image_topic.resize(image_topic.size() - kCompressed.size());
+  const std::size_t slash = image_topic.rfind('/');
+  return (slash == std::string::npos ? std::string() : image_topic.substr(0, slash + 1)) + "camera_info";
+}
+
+std::string without_slash(const std::string& topic) { return topic.starts_with('/') ? topic.substr(1) : topic; }
+
+common::Nanoseconds wall_clock() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+class LiveSource::Impl {
+ public:
+  Impl(LiveSourceOptions options, const std::atomic<bool>& stop, idl::Participant participant)
+      : options_(std::move(options)), stop_(stop), participant_(std::move(participant)) {
+    info_.path = "DDS";
+    info_.format = "dds";
+  }
+
+  ~Impl() {
+    for (auto& thread : threads_) thread.request_stop();
+  }
+
+  Result<void> listen() {
+    if (auto done = listen_for<idl::TFMessage>("", "tf_static", idl::QosProfile::kStaticTransformInput, false); !done)
+      return done;
+    if (auto done = listen_for<idl::TFMessage>("", "tf", idl::QosProfile::kTransformInput, false); !done) return done;
+    if (options_.topics.empty()) return listen_to_defaults();
+    for (const auto& [sensor, topic] : options_.topics) {
+      if (auto done = listen_to(sensor, without_slash(topic), true); !done) return done;
+    }
+    return {};
+  }
+
+  Result<void> prepare(const std::function<void(const std::string&)>& tell) {
+    auto settled = Clock::now() + kReport;
+    auto report = Clock::now() + kReport;
+    std::size_t known = 0;
+    while (!stop_) {
+      if (auto arrival = take(kNap)) {
+        learn(*arrival);
+        backlog_.push_back(std::move(*arrival));
+        trim_backlog();
+      }
+      const auto now = Clock::now();
+      const std::size_t usable = usable_sensors().size();
+      if (usable != known) settled = now + std::chrono::duration_cast<Clock::duration>(settle());
+      known = usable;
+      const std::string missing = missing_sensors();
+      if (missing.empty() && (all_named() || now >= settled)) return decide();
+      if (now >= report) {
+        tell("waiting for " + (missing.empty() ? std::string("more sensors") : missing));
+        report = now + kReport;
+      }
+    }
+    return tl::unexpected(common::Error{common::ErrorKind::kInterrupted, "stopped before any sensor was heard"});
+  }
+
+  Result<std::optional<common::RecordingItem>> next() {
+    while (!stop_ && !restart_) {
+      std::optional<Arrival> arrival;
+      if (backlog_.empty()) {
+        arrival = take(kNap);
+      } else {
+        arrival = std::move(backlog_.front());
+        backlog_.pop_front();
+      }
+      if (!arrival) continue;
+      if (auto item = to_item(*arrival)) return item;
+    }
+    return std::optional<common::RecordingItem>();
+  }
+
+  std::optional<std::string> restart_wanted() { return std::exchange(restart_, std::nullopt); }
+
+  const common::RecordingInfo& info() const { return info_; }
+
+  std::vector<InputState> inputs() const {
+    std::vector<InputState> states;
+    const std::lock_guard lock(mutex_);
+    for (const Input& input : inputs_) {
+      InputState state = input.state;
+      const idl::ReaderHealth health = input.health();
+      state.writers = health.matched_writers;
+      state.incompatible_qos = health.incompatible_qos;
+      state.lost = health.lost;
+      state.in_use = input.state.sensor.empty() || info_.sensors.contains(input.state.sensor);
+      states.push_back(std::move(state));
+    }
+    return states;
+  }
+
+ private:
+  // ---- listening
+
+  Result<void> listen_to_defaults() {
+    if (auto done = listen_to("laser0", "scan", false); !done) return done;
+    if (auto done = listen_to("odom0", "odom", false); !done) return done;
+    for (int i = 0; i < kDefaultCameras; ++i) {
+      const std::string camera = fmt::format("cam{}", i);
+      const std::string topic = topic_of(camera, SensorKind::kCamera);
+      if (auto done = listen_to(camera, topic, false); !done) return done;
+      if (auto done =
+              listen_for<idl::CompressedImage>(camera, topic + kCompressed, idl::QosProfile::kSensorInput, false);
+          !done)
+        return done;
+    }
+    return {};
+  }
+
+  Result<void> listen_to(const std::string& sensor, const std::string& topic, bool required) {
+    constexpr auto kSensor = idl::QosProfile::kSensorInput;
+    const auto kind = kind_of(sensor);
+    if (!kind) {
+      return common::usage_error(fmt::format(
+          "--topic {}: allowed are laser0, odom0 and cam0, cam1, ... (tf and tf_static are always heard)", sensor));
+    }
+    if (*kind == SensorKind::kLaser) return listen_for<idl::LaserScan>(sensor, topic, kSensor, required);
+    if (*kind == SensorKind::kOdometry) return listen_for<idl::Odometry>(sensor, topic, kSensor, required);
+    if (auto done = listen_for<idl::CameraInfo>(sensor, camera_info_topic(topic), kSensor, required); !done)
+      return done;
+    if (topic.ends_with(kCompressed)) return listen_for<idl::CompressedImage>(sensor, topic, kSensor, required);
+    return listen_for<idl::Image>(sensor, topic, kSensor, required);
+  }
+
+  template <class T>
+  Result<void> listen_for(const std::string& sensor, const std::string& topic, idl::QosProfile profile, bool required) {
+    auto made = idl::Reader<T>::create(participant_, topic, profile);
+    if (!made) return tl::unexpected(made.error());
+    const auto reader = std::make_shared<idl::Reader<T>>(*std::move(made));
+    std::size_t index = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      index = inputs_.size();
+      Input input;
+      input.state.sensor = sensor;
+      input.state.topic = topic;
+      input.state.type = idl::ros_type_name<T>();
+      input.required = required;
+      input.health = [reader] { return reader->health(); };
+      inputs_.push_back(std::move(input));
+    }
+    threads_.emplace_back([this, reader, index](const std::stop_token& done) {
+      while (!done.stop_requested()) {
+        auto taken = reader->take(kNap);
+        if (!taken) {
+          std::this_thread::sleep_for(kNap);
+        } else if (*taken) {
+          arrived(index, std::move(**taken));
+        }
+      }
+    });
+    return {};
+  }
+
+  template <class T>
+  void arrived(std::size_t index, idl::Message<T> message) {
+    const auto now = Clock::now();
+    const std::lock_guard lock(mutex_);
+    InputState& state = inputs_[index].state;
+    ++state.received;
+    state.last_arrival = now;
+    if (queue_.size() >= options_.queue_capacity) {
+      ++state.dropped;
+      return;
+    }
+    queue_.push_back({index, now, std::move(message)});
+    filled_.notify_one();
+  }
+
+  std::optional<Arrival> take(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    if (!filled_.wait_for(lock, patience, [this] { return !queue_.empty(); })) return std::nullopt;
+    std::optional<Arrival> arrival(std::move(queue_.front()));
+    queue_.pop_front();
+    return arrival;
+  }
+
+  // ---- finding out what there is
+
+  std::string sensor_of(const Arrival& arrival) const {
+    const std::lock_guard lock(mutex_);
+    return inputs_[arrival.input].state.sensor;
+  }
+
+  /// What arrived before everything is known waits, as far as there is room: the oldest goes.
+  void trim_backlog() {
+    while (backlog_.size() > options_.queue_capacity) {
+      {
+        const std::lock_guard lock(mutex_);
+        ++inputs_[backlog_.front().input].state.dropped;
+      }
+      backlog_.pop_front();
+    }
+  }
+
+  void learn(const Arrival& arrival) {
+    const std::string sensor = sensor_of(arrival);
+    if (const auto* transforms = std::get_if<idl::Message<idl::TFMessage>>(&arrival.payload)) {
+      const auto read = from_ros(**transforms);
+      if (!read) return;
+      for (const auto& transform : *read) frames_.add(transform.header.frame, transform.child_frame, transform.pose);
+      return;
+    }
+    Heard& heard = heard_[sensor];
+    if (const auto* scan = std::get_if<idl::Message<idl::LaserScan>>(&arrival.payload)) {
+      auto read = from_ros(**scan);
+      const auto usable = read ? common::laser_calibration_of(*read, {}) : tl::unexpected(read.error());
+      if (!usable) return void(heard.problem = usable.error().message);
+      heard.frame = read->header.frame;
+      heard.scan = *std::move(read);
+    } else if (const auto* info = std::get_if<idl::Message<idl::CameraInfo>>(&arrival.payload)) {
+      auto read = from_ros(**info);
+      const auto usable = read ? common::camera_calibration_of(*read, {}) : tl::unexpected(read.error());
+      if (!usable) return void(heard.problem = usable.error().message);
+      heard.frame = read->header.frame;
+      heard.camera = *std::move(read);
+    } else if (const auto* odometry = std::get_if<idl::Message<idl::Odometry>>(&arrival.payload)) {
+      const auto read = from_ros(**odometry);
+      if (!read) return void(heard.problem = read.error().message);
+      heard.frame = read->child_frame;
+      heard.message = true;
+    } else {
+      heard.message = true;
+    }
+  }
+
+  bool usable(const std::string& sensor) const {
+    const auto found = heard_.find(sensor);
+    if (found == heard_.end()) return false;
+    const Heard& heard = found->second;
+    switch (*kind_of(sensor)) {
+      case SensorKind::kLaser:
+        return heard.scan.has_value();
+      case SensorKind::kCamera:
+        return heard.camera.has_value() && heard.message;
+      default:
+        return heard.message;
+    }
+  }
+
+  std::set<std::string> usable_sensors() const {
+    std::set<std::string> sensors;
+    for (const auto& [sensor, heard] : heard_) {
+      if (usable(sensor)) sensors.insert(sensor);
+    }
+    return sensors;
+  }
+
+  bool all_named() const { return !options_.topics.empty(); }
+  std::chrono::duration<double> settle() const { return std::chrono::duration<double>(options_.settle); }
+
+  /// In words; empty when it can start.
+  std::string missing_sensors() const {
+    std::vector<std::string> missing;
+    bool eyes = false;
+    const std::lock_guard lock(mutex_);
+    for (const Input& input : inputs_) {
+      const InputState& state = input.state;
+      if (state.sensor.empty()) continue;
+      const bool heard = usable(state.sensor);
+      eyes |= heard && *kind_of(state.sensor) != SensorKind::kOdometry;
+      if (!input.required || heard) continue;
+      const auto found = heard_.find(state.sensor);
+      const std::string problem = found == heard_.end() ? std::string() : found->second.problem;
+      missing.push_back(
+          fmt::format("{} on {}{}", state.sensor, state.topic, problem.empty() ? std::string() : " (" + problem + ")"));
+    }
+    if (!missing.empty()) return fmt::format("{}", fmt::join(missing, ", "));
+    return eyes ? std::string() : std::string("a laser or a calibrated camera");
+  }
+
+  Result<void> decide() {
+    common::RecordingInfo info = info_;
+    for (const std::string& sensor : usable_sensors()) {
+      const Heard& heard = heard_.at(sensor);
+      const SensorKind kind = *kind_of(sensor);
+      info.sensors[sensor].kind = kind;
+      if (kind == SensorKind::kLaser) {
+        info.calibration.lasers[sensor] =
+            *common::laser_calibration_of(*heard.scan, mounting(sensor, heard.frame, {}, info));
+      } else if (kind == SensorKind::kCamera) {
+        auto camera =
+            *common::camera_calibration_of(*heard.camera, mounting(sensor, heard.frame, looking_forward(), info));
+        if (const auto readout = options_.readout.find(sensor); readout != options_.readout.end()) {
+          camera.readout = readout->second;
+        }
+        info.calibration.cameras[sensor] = camera;
+      } else {
+        T_child_base_[sensor] = common::to_pose2(mounting(sensor, options_.base_frame, {}, info, heard.frame));
+      }
+    }
+    const std::lock_guard lock(mutex_);
+    info_ = std::move(info);
+    return {};
+  }
+
+  /// T_target_source by tf, else `otherwise`, which is told.
+  common::Pose3 mounting(const std::string& sensor, const std::string& source, const common::Pose3& otherwise,
+                         common::RecordingInfo& info, const std::string& target) const {
+    if (target == source) return {};
+    if (const auto found = frames_.transform(target, source)) return *found;
+    info.notes.push_back(fmt::format("{}: no transform between {} and {} was heard, taken to be at the same place{}",
+                                     sensor, target, source.empty() ? "a frame that is not told" : source,
+                                     otherwise.rotation.w() < 1.0 ? ", looking forward" : ""));
+    return otherwise;
+  }
+  common::Pose3 mounting(const std::string& sensor, const std::string& source, const common::Pose3& otherwise,
+                         common::RecordingInfo& info) const {
+    return mounting(sensor, source, otherwise, info, options_.base_frame);
+  }
+
+  // ---- messages
+
+  std::optional<common::RecordingItem> to_item(const Arrival& arrival) {
+    const std::string sensor = sensor_of(arrival);
+    if (!info_.sensors.contains(sensor)) return std::nullopt;  // transforms, and sensors that do not take part
+    if (const auto* info = std::get_if<idl::Message<idl::CameraInfo>>(&arrival.payload)) {
+      return check_camera(arrival, sensor, **info);
+    }
+    auto message = decode(arrival.payload, sensor);
+    if (!message) return reject(arrival, sensor, message.error().message);
+    const common::Nanoseconds stamp = common::stamp_of(*message);
+    const auto verdict = stamps_.judge(sensor, stamp, arrival.at);
+    if (verdict.kind == StampGuard::Kind::kRefused) return reject(arrival, sensor, verdict.reason);
+    if (verdict.kind == StampGuard::Kind::kSteppedBack) {
+      stamps_.reset();
+      restart_ = verdict.reason;
+      return reject(arrival, sensor, verdict.reason);
+    }
+    const common::Nanoseconds offset = wall_clock() - stamp;
+    const std::lock_guard lock(mutex_);
+    inputs_[arrival.input].state.last_stamp = last_stamp_ = stamp;
+    inputs_[arrival.input].state.clock_offset = offset;
+    return common::RecordingItem(std::move(*message));
+  }
+
+  Result<common::SensorMessage> decode(const Payload& payload, const std::string& sensor) const {
+    return std::visit([&](const auto& message) { return this->decode(*message, sensor); }, payload);
+  }
+  Result<common::SensorMessage> decode(const idl::LaserScan& message, const std::string& sensor) const {
+    const auto scan = from_ros(message);
+    if (!scan) return tl::unexpected(scan.error());
+    return common::to_laser_scan(*scan, sensor, info_.calibration.lasers.at(sensor));
+  }
+  Result<common::SensorMessage> decode(const idl::Odometry& message, const std::string& sensor) const {
+    const auto odometry = from_ros(message);
+    if (!odometry) return tl::unexpected(odometry.error());
+    return common::WheelOdometry{odometry->header.stamp, sensor,
+                                 common::to_pose2(odometry->pose) * T_child_base_.at(sensor), odometry->forward_speed,
+                                 odometry->turn_rate};
+  }
+  Result<common::SensorMessage> decode(const idl::Image& message, const std::string& sensor) const {
+    const auto image = from_ros(message);
+    if (!image) return tl::unexpected(image.error());
+    return to_image(image->header, sensor, common::to_gray(*image, size_of(sensor)));
+  }
+  Result<common::SensorMessage> decode(const idl::CompressedImage& message, const std::string& sensor) const {
+    const auto image = from_ros(message);
+    if (!image) return tl::unexpected(image.error());
+    return to_image(image->header, sensor, common::decode_gray_image(image->data, size_of(sensor)));
+  }
+  static Result<common::SensorMessage> decode(const idl::CameraInfo&, const std::string&) {
+    return common::invalid_input("not a sensor message");
+  }
+  static Result<common::SensorMessage> decode(const idl::TFMessage&, const std::string&) {
+    return common::invalid_input("not a sensor message");
+  }
+
+  common::ImageSize size_of(const std::string& camera) const {
+    const common::CameraCalibration& calibration = info_.calibration.cameras.at(camera);
+    return {calibration.width, calibration.height};
+  }
+  static Result<common::SensorMessage> to_image(const common::RosHeader& header, const std::string& sensor,
+                                                Result<common::GrayImage> gray) {
+    if (!gray) return tl::unexpected(gray.error());
+    return common::Image{header.stamp, sensor, gray->size.width, gray->size.height, std::move(gray->pixels)};
+  }
+
+  /// A calibration cannot change under way: what says so is told.
+  std::optional<common::RecordingItem> check_camera(const Arrival& arrival, const std::string& sensor,
+                                                    const idl::CameraInfo& message) {
+    const auto info = from_ros(message);
+    if (!info) return reject(arrival, sensor, info.error().message);
+    const common::RosCameraInfo& known = *heard_.at(sensor).camera;
+    if (info->k == known.k && info->d == known.d && info->width == known.width && info->height == known.height) {
+      return std::nullopt;
+    }
+    return reject(arrival, sensor, "camera_info changed, which takes a restart; the first one is used");
+  }
+
+  common::RecordingItem reject(const Arrival& arrival, const std::string& sensor, const std::string& reason) {
+    const std::lock_guard lock(mutex_);
+    InputState& state = inputs_[arrival.input].state;
+    ++state.rejected;
+    state.last_rejection = reason;
+    return common::RejectedMessage{state.last_stamp.value_or(last_stamp_), sensor, state.topic + ": " + reason};
+  }
+
+  const LiveSourceOptions options_;
+  const std::atomic<bool>& stop_;
+  idl::Participant participant_;
+
+  mutable std::mutex mutex_;  // guards inputs_ and queue_, and info_ where another thread looks at it
+  std::condition_variable filled_;
+  std::vector<Input> inputs_;
+  std::deque<Arrival> queue_;
+  common::RecordingInfo info_;
+
+  // of the thread that calls prepare() and next()
+  std::deque<Arrival> backlog_;
+  std::map<std::string, Heard> heard_;
+  common::FrameTree frames_;
+  std::map<std::string, common::Pose2> T_child_base_;
+  StampGuard stamps_;
+  common::Nanoseconds last_stamp_ = 0;
+  std::optional<std::string> restart_;
+
+  std::vector<std::jthread> threads_;  // last: they end before what they use
+};
+
+Result<std::unique_ptr<LiveSource>> LiveSource::create(const LiveSourceOptions& options,
+                                                       const std::atomic<bool>& stop) {
+  const auto settings = idl::domain_from_environment();
+  if (!settings) return tl::unexpected(settings.error());
+  auto participant = idl::Participant::create(*settings);
+  if (!participant) return tl::unexpected(participant.error());
+  auto impl = std::make_unique<Impl>(options, stop, *std::move(participant));
+  if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
+  return std::unique_ptr<LiveSource>(new LiveSource(std::move(impl)));
+}
+
+LiveSource::LiveSource(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LiveSource::~LiveSource() = default;
+
+Result<void> LiveSource::prepare(const std::function<void(const std::string&)>& tell) { return impl_->prepare(tell); }
+const common::RecordingInfo& LiveSource::info() const { return impl_->info(); }
+Result<std::optional<common::RecordingItem>> LiveSource::next() { return impl_->next(); }
+std::optional<std::string> LiveSource::restart_wanted() { return impl_->restart_wanted(); }
+std::vector<InputState> LiveSource::inputs() const { return impl_->inputs(); }
+
+}  // namespace slamfuse::service

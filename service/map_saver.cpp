@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/map_saver.hpp"
+
+#include <utility>
+
+#include "service/map_bundle.hpp"
+#include "service/metrics.hpp"
+
+namespace slamfuse::service {
+
+using common::PoseSource;
+
+MapSaver::MapSaver(std::filesystem::path path, std::uint64_t seed, std::string recording,
+                   CurrentAlignment current_alignment)
+    : path_(std::move(path)),
+      seed_(seed),
+      recording_(std::move(recording)),
+      current_alignment_(std::move(current_alignment)),
+      writer_([this](const std::stop_token& done) { write_all(done); }) {}
+
+MapSaver::~MapSaver() = default;
+
+void MapSaver::on_corrected_pose(const fusion::CorrectedPose& pose) {
+  if (pose.estimate.map_epoch != fused_epoch_) fused_.clear();  // poses of different epochs never mix
+  fused_epoch_ = pose.estimate.map_epoch;
+  fused_.push_back({pose.estimate.stamp, pose.estimate.pose});
+}
+
+void MapSaver::on_checkpoint(PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) {
+  modules_[source] = checkpoint;
+  Snapshot snapshot{modules_, current_alignment_(), fused_};
+  const std::lock_guard lock(mutex_);
+  next_ = std::move(snapshot);  // in place of one that still waits: only the newest matters
+  wanted_.notify_one();
+}
+
+std::size_t MapSaver::saved() const {
+  const std::lock_guard lock(mutex_);
+  return saved_;
+}
+
+std::optional<common::Error> MapSaver::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+void MapSaver::write_all(const std::stop_token& done) {
+  while (true) {
+    std::optional<Snapshot> snapshot;
+    {
+      std::unique_lock lock(mutex_);
+      if (!wanted_.wait(lock, done, [this] { return next_.has_value(); })) return;
+      snapshot = std::exchange(next_, std::nullopt);
+    }
+    const auto written = write(*snapshot);
+    const std::lock_guard lock(mutex_);
+    if (written) ++saved_;
+    failure_ = written ? std::nullopt : std::optional(written.error());
+  }
+}
+
+common::Result<void> MapSaver::write(const Snapshot& snapshot) const {
+  MapBundle bundle;
+  bundle.program_version = program_version();
+  bundle.seed = seed_;
+  bundle.recording = recording_;
+  bundle.incomplete = true;
+  bundle.alignment = snapshot.alignment;
+  bundle.trajectories["fused"] = snapshot.fused;
+  if (const auto laser = snapshot.modules.find(PoseSource::kLaser); laser != snapshot.modules.end()) {
+    if (laser->second->grid) bundle.grid = &*laser->second->grid;
+    bundle.laser_state = laser->second->laser_state;
+    bundle.trajectories["laser"] = laser->second->path;
+  }
+  if (const auto visual = snapshot.modules.find(PoseSource::kVisual); visual != snapshot.modules.end()) {
+    bundle.landmarks = visual->second->landmarks;
+    bundle.trajectories["visual"] = visual->second->path;
+  }
+  return write_map_bundle(bundle, path_);
+}
+
+}  // namespace slamfuse::service
