@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `slamfuse run --dds` heard by another process that knows nothing but ROS 2 names and types.
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,7 +11,6 @@
 #include <map>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -22,33 +19,15 @@
 #include "common/tum.hpp"
 #include "idl/private_domain.hpp"
 #include "service/grid_file.hpp"
+#include "system/child_process.hpp"
 
 namespace slamfuse {
 namespace {
 
 using namespace std::chrono_literals;
-
-pid_t start(std::vector<std::string> words) {
-  std::vector<char*> arguments;
-  for (auto& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  return posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) == 0 ? child : -1;
-}
-
-int exit_status_of(pid_t child) {
-  int status = 0;
-  return waitpid(child, &status, 0) == child && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-bool appears(const std::filesystem::path& file, std::chrono::seconds patience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
-  while (!std::filesystem::exists(file)) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(10ms);
-  }
-  return true;
-}
+using system::appears;
+using system::exit_status_of;
+using system::start;
 
 std::string content_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
