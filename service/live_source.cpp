@@ -53,7 +53,6 @@ struct Arrival {
 /// What one topic is listened to for.
 struct Input {
   InputState state;
-  bool required = false;
   std::function<idl::ReaderHealth()> health;
 };
 
@@ -181,9 +180,11 @@ class LiveSource::Impl {
   // ---- listening
 
   Result<void> listen_to_defaults() {
-    if (auto done = listen_to("laser0", "scan", false); !done) return done;
     if (auto done = listen_to("odom0", "odom", false); !done) return done;
-    for (int i = 0; i < kDefaultCameras; ++i) {
+    if (options_.lasers) {
+      if (auto done = listen_to("laser0", "scan", false); !done) return done;
+    }
+    for (int i = 0; options_.cameras && i < kDefaultCameras; ++i) {
       const std::string camera = fmt::format("cam{}", i);
       const std::string topic = topic_of(camera, SensorKind::kCamera);
       if (auto done = listen_to(camera, topic, false); !done) return done;
@@ -223,7 +224,7 @@ class LiveSource::Impl {
       input.state.sensor = sensor;
       input.state.topic = topic;
       input.state.type = idl::ros_type_name<T>();
-      input.required = required;
+      input.state.required = required;
       input.health = [reader] { return reader->health(); };
       inputs_.push_back(std::move(input));
     }
@@ -347,7 +348,7 @@ class LiveSource::Impl {
       if (state.sensor.empty()) continue;
       const bool heard = usable(state.sensor);
       eyes |= heard && *kind_of(state.sensor) != SensorKind::kOdometry;
-      if (!input.required || heard) continue;
+      if (!state.required || heard) continue;
       const auto found = heard_.find(state.sensor);
       const std::string problem = found == heard_.end() ? std::string() : found->second.problem;
       missing.push_back(

@@ -21,6 +21,8 @@ struct LiveSourceOptions {
   /// Topics by sensor name; empty: `scan`, `odom` and `cam0/image_raw` to `cam3/image_raw`, raw or compressed, of which
   /// those take part that are heard. Topics given here must all be heard before it starts.
   std::map<std::string, std::string> topics;
+  bool lasers = true;   ///< false: default topics without `scan`
+  bool cameras = true;  ///< false: default topics without cameras
   std::string base_frame = "base_link";
   std::map<std::string, double> readout;  ///< of a camera's rolling shutter [s], which camera_info cannot tell
   double settle = 0.5;                    ///< [s] after the last sensor appeared, for others to appear
@@ -31,8 +33,9 @@ struct LiveSourceOptions {
 struct InputState {
   std::string sensor;  ///< empty for what belongs to no sensor
   std::string topic;
-  std::string type;  ///< "sensor_msgs/msg/LaserScan"
-  bool in_use = false;
+  std::string type;              ///< "sensor_msgs/msg/LaserScan"
+  bool required = false;         ///< named by the user
+  bool in_use = false;           ///< by a module
   int writers = 0;               ///< matched
   std::string incompatible_qos;  ///< the policy that kept a writer from matching; empty: none did
   std::size_t received = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/serve_command.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -9,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "service/dds_publisher.hpp"
+#include "service/diagnostics_publisher.hpp"
 #include "service/map_saver.hpp"
 #include "service/output_folder.hpp"
 #include "service/run_conclusion.hpp"
@@ -53,6 +55,11 @@ std::string sensors_in_words(const common::RecordingInfo& info) {
   std::vector<std::string> names;
   for (const auto& [name, sensor] : info.sensors) names.push_back(name);
   return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// Whether a module may take part.
+bool wants(const RunRequest& run, const std::string& module) {
+  return run.modules.empty() || std::ranges::find(run.modules, module) != run.modules.end();
 }
 
 /// From one set of modules to their results in the output folder.
@@ -114,8 +121,13 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
     return tl::unexpected(folder.error());
   }
   on_started();
-  auto source = LiveSource::create(request.source, stop);
+  LiveSourceOptions options = request.source;
+  options.lasers = wants(request.run, "laser");
+  options.cameras = wants(request.run, "visual");
+  auto source = LiveSource::create(options, stop);
   if (!source) return tl::unexpected(source.error());
+  const auto diagnostics = DiagnosticsPublisher::start(**source, tell);
+  if (!diagnostics) return tl::unexpected(diagnostics.error());
   tell("listening");
   if (auto prepared = (*source)->prepare(tell); !prepared) return tl::unexpected(prepared.error());
   for (const auto& note : (*source)->info().notes) tell(note);

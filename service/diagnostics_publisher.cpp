@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/diagnostics_publisher.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "idl/domain_settings.hpp"
+#include "idl/participant.hpp"
+#include "idl/writer.hpp"
+#include "service/input_diagnostics.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+constexpr std::chrono::seconds kPeriod{1};
+
+common::Nanoseconds wall_clock() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Waits; false when it is time to end.
+bool sleep(const std::stop_token& done) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  never.wait_for(lock, done, kPeriod, [] { return false; });
+  return !done.stop_requested();
+}
+
+}  // namespace
+
+common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::start(
+    const LiveSource& source, const std::function<void(const std::string&)>& tell) {
+  const auto settings = idl::domain_from_environment();
+  if (!settings) return tl::unexpected(settings.error());
+  const auto participant = idl::Participant::create(*settings);
+  if (!participant) return tl::unexpected(participant.error());
+  auto made = idl::Writer<idl::DiagnosticArray>::create(*participant, "diagnostics", idl::QosProfile::kOutput);
+  if (!made) return tl::unexpected(made.error());
+
+  std::unique_ptr<DiagnosticsPublisher> publisher(new DiagnosticsPublisher);
+  publisher->thread_ = std::jthread([&source, tell, writer = *std::move(made)](const std::stop_token& done) mutable {
+    InputDiagnostics diagnostics;
+    std::map<std::string, DiagnosisLevel> told;
+    while (sleep(done)) {
+      const auto diagnoses = diagnostics.look(source.inputs(), std::chrono::steady_clock::now());
+      // A failure to send is no news: a reader that does not keep up misses a second.
+      static_cast<void>(writer.write(to_ros_diagnostics(wall_clock(), diagnoses)));
+      for (const Diagnosis& diagnosis : diagnoses) {
+        const auto before = std::exchange(told[diagnosis.topic], diagnosis.level);
+        if (diagnosis.level != before) tell(diagnosis.topic + ": " + diagnosis.message);
+      }
+    }
+  });
+  return publisher;
+}
+
+}  // namespace slamfuse::service

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "common/error.hpp"
+#include "service/live_source.hpp"
+
+namespace slamfuse::service {
+
+/// Publishes `diagnostics` every second, in a thread of its own, and tells a log when a topic becomes worse or well.
+class DiagnosticsPublisher {
+ public:
+  /// `source` must outlive it; `tell` is called from its thread. Errors as of DdsPublisher.
+  static common::Result<std::unique_ptr<DiagnosticsPublisher>> start(
+      const LiveSource& source, const std::function<void(const std::string&)>& tell);
+
+ private:
+  DiagnosticsPublisher() = default;
+  std::jthread thread_;
+};
+
+}  // namespace slamfuse::service

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/input_diagnostics.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "service/ros_conversion.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+/// A topic is silent after so many of its usual periods, but not sooner than after a second [s].
+constexpr double kSilentPeriods = 5.0;
+constexpr double kSoonestSilent = 1.0;
+
+/// Whether messages are due all the time: not of transforms and calibrations.
+bool is_steady(const InputState& input) { return !input.sensor.empty() && input.type != "sensor_msgs/msg/CameraInfo"; }
+
+std::optional<double> age_of(const InputState& input, InputDiagnostics::Time now) {
+  if (!input.last_arrival) return std::nullopt;
+  return Seconds(now - *input.last_arrival).count();
+}
+
+/// What is wrong, the worst first; `before` is the last look, `rate` [1/s] the usual one.
+std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const InputState& before, double rate,
+                                                  std::optional<double> age) {
+  if (input.writers == 0 && !input.incompatible_qos.empty()) {
+    return {DiagnosisLevel::kError,
+            fmt::format("QoS mismatch: the publisher's {} is not enough for this reader", input.incompatible_qos)};
+  }
+  if (input.writers == 0 && is_steady(input)) {
+    if (!age) return {DiagnosisLevel::kError, "nobody publishes it"};
+    return {DiagnosisLevel::kError, fmt::format("its publisher has gone, the last message is {:.1f} s old", *age)};
+  }
+  const double patience = std::max(kSoonestSilent, rate > 0.0 ? kSilentPeriods / rate : 0.0);
+  if (is_steady(input) && !age) return {DiagnosisLevel::kError, "matched, but silent from the beginning"};
+  if (is_steady(input) && *age > patience) {
+    return {DiagnosisLevel::kError, fmt::format("matched, but silent for {:.1f} s", *age)};
+  }
+  if (input.rejected > before.rejected) {
+    return {DiagnosisLevel::kWarning,
+            fmt::format("{} messages rejected: {}", input.rejected - before.rejected, input.last_rejection)};
+  }
+  if (input.dropped > before.dropped) {
+    return {DiagnosisLevel::kWarning,
+            fmt::format("{} messages dropped: they come faster than they are used", input.dropped - before.dropped)};
+  }
+  if (input.lost > before.lost) {
+    return {DiagnosisLevel::kWarning, fmt::format("{} messages lost on the way", input.lost - before.lost)};
+  }
+  return {DiagnosisLevel::kOk, "ok"};
+}
+
+}  // namespace
+
+std::vector<Diagnosis> InputDiagnostics::look(const std::vector<InputState>& inputs, Time now) {
+  std::vector<Diagnosis> diagnoses;
+  for (const InputState& input : inputs) {
+    const bool new_topic = !seen_.contains(input.topic);
+    Seen& seen = seen_[input.topic];
+    const InputState before = new_topic ? input : seen.state;
+    if (!new_topic && now > seen.at && input.received > before.received) {
+      constexpr double kNewest = 0.3;  // of the smoothed rate
+      const double rate = static_cast<double>(input.received - before.received) / Seconds(now - seen.at).count();
+      seen.rate = seen.rate == 0.0 ? rate : (1.0 - kNewest) * seen.rate + kNewest * rate;
+    }
+    seen.at = now;
+    seen.state = input;
+    const bool heard = input.received > 0 || !input.incompatible_qos.empty();
+    // Of a picture's raw and compressed topics one is enough: the other one has nothing to say.
+    if (!heard && !input.required && (!input.in_use || input.writers == 0)) continue;
+
+    const auto age = age_of(input, now);
+    Diagnosis diagnosis{input.topic, DiagnosisLevel::kOk, {}, {}};
+    std::tie(diagnosis.level, diagnosis.message) = verdict_on(input, before, seen.rate, age);
+    diagnosis.values = {{"sensor", input.sensor},
+                        {"type", input.type},
+                        {"in use", input.in_use ? "yes" : "no"},
+                        {"publishers", std::to_string(input.writers)},
+                        {"rate [Hz]", fmt::format("{:.2f}", seen.rate)},
+                        {"age [s]", age ? fmt::format("{:.3f}", *age) : std::string("never heard")},
+                        {"received", std::to_string(input.received)},
+                        {"rejected", std::to_string(input.rejected)},
+                        {"dropped", std::to_string(input.dropped)},
+                        {"lost", std::to_string(input.lost)}};
+    if (input.clock_offset) {
+      diagnosis.values.emplace_back("clock minus stamp [s]",
+                                    fmt::format("{:.3f}", common::to_seconds(*input.clock_offset)));
+    }
+    if (!input.last_rejection.empty()) diagnosis.values.emplace_back("last rejection", input.last_rejection);
+    diagnoses.push_back(std::move(diagnosis));
+  }
+  return diagnoses;
+}
+
+idl::Message<idl::DiagnosticArray> to_ros_diagnostics(common::Nanoseconds stamp,
+                                                      const std::vector<Diagnosis>& diagnoses) {
+  idl::Message<idl::DiagnosticArray> message;
+  message->header.stamp = to_ros_time(stamp);
+  idl::assign(message->header.frame_id, "");
+  idl::allocate(message->status, diagnoses.size());
+  for (std::size_t i = 0; i < diagnoses.size(); ++i) {
+    const Diagnosis& diagnosis = diagnoses[i];
+    idl::DiagnosticStatus& status = message->status._buffer[i];
+    status.level = static_cast<std::uint8_t>(diagnosis.level);
+    idl::assign(status.name, "slamfuse: input " + diagnosis.topic);
+    idl::assign(status.message, diagnosis.message);
+    idl::assign(status.hardware_id, "slamfuse");
+    idl::allocate(status.values, diagnosis.values.size());
+    for (std::size_t k = 0; k < diagnosis.values.size(); ++k) {
+      idl::assign(status.values._buffer[k].key, diagnosis.values[k].first);
+      idl::assign(status.values._buffer[k].value, diagnosis.values[k].second);
+    }
+  }
+  return message;
+}
+
+}  // namespace slamfuse::service
