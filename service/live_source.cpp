@@ -135,7 +135,7 @@ class LiveSource::Impl {
       const std::string missing = missing_sensors();
       if (missing.empty() && (all_named() || now >= settled)) return decide();
       if (now >= report) {
-        tell("waiting for " + (missing.empty() ? std::string("more sensors") : missing));
+        if (!missing.empty()) tell("waiting for " + missing);
         report = now + kReport;
       }
     }

@@ -138,5 +138,38 @@ TEST(CommandLine, PrintsTheOptionsInThreeFormats) {
   EXPECT_THAT(std::get<PrintRequest>(*parse({"options", "--format", "text"})).text, HasSubstr("laser.particles="));
 }
 
+TEST(CommandLine, ReadsPlay) {
+  const auto request =
+      parse({"play", "rec", "--rate", "2", "--stamps", "now", "--from", "1", "--to", "3", "--wait", "0"});
+  ASSERT_TRUE(request);
+  const auto& play = std::get<PlayRequest>(*request);
+  EXPECT_EQ(play.recording, "rec");
+  EXPECT_EQ(play.rate, 2.0);
+  EXPECT_EQ(play.stamps, PlayStamps::kNow);
+  EXPECT_EQ(play.from, 1.0);
+  EXPECT_EQ(play.to, 3.0);
+  EXPECT_EQ(play.wait, 0.0);
+  EXPECT_FALSE(parse({"play", "rec", "--rate", "0"}));
+  EXPECT_FALSE(parse({"play", "rec", "--stamps", "yesterday"}));
+}
+
+TEST(CommandLine, ReadsServe) {
+  const auto request = parse({"serve", "-o", "out", "--topic", "laser0=/front/scan", "--base-frame", "base_footprint",
+                              "--readout", "cam0=0.02", "--modules", "laser", "--map", "m", "--seed", "4"});
+  ASSERT_TRUE(request);
+  const auto& serve = std::get<ServeRequest>(*request);
+  EXPECT_EQ(serve.run.out, "out");
+  EXPECT_EQ(serve.source.topics.at("laser0"), "/front/scan");
+  EXPECT_EQ(serve.source.base_frame, "base_footprint");
+  EXPECT_EQ(serve.source.readout.at("cam0"), 0.02);
+  EXPECT_THAT(serve.run.modules, ElementsAre("laser"));
+  EXPECT_EQ(serve.run.map, "m");
+  EXPECT_EQ(serve.run.seed, 4u);
+  EXPECT_GE(serve.run.threads, 2);
+  EXPECT_FALSE(parse({"serve"}));
+  EXPECT_FALSE(parse({"serve", "-o", "out", "--mode", "localization"}));
+  EXPECT_FALSE(parse({"serve", "-o", "out", "--readout", "cam0=-1"}));
+}
+
 }  // namespace
 }  // namespace slamfuse::service

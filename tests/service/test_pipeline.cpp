@@ -182,6 +182,44 @@ TEST(Pipeline, HoldsAReplayBackToItsRate) {
   EXPECT_GE(std::chrono::steady_clock::now() - start, 159ms);
 }
 
+TEST(Pipeline, LiveASlowModuleLosesImagesAndHoldsNobodyUp) {
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual, [] { std::this_thread::sleep_for(10ms); });  // odometry too: 20 ms a round
+  PipelineOptions options;
+  options.threads = 2;
+  options.rate = 3.0;  // 10 ms a round
+  options.live_backlog = 2;
+  constexpr std::size_t kRounds = 60;
+  const RunResult result = run(laser, visual, options, rounds(kRounds));
+  ASSERT_TRUE(result.outcome.has_value());
+  const auto& counters = result.outcome->counters;
+  EXPECT_GT(counters.at(PoseSource::kVisual).dropped, 0u);
+  for (const auto source : {PoseSource::kLaser, PoseSource::kVisual}) {
+    EXPECT_EQ(counters.at(source).inputs, kRounds);
+    EXPECT_EQ(counters.at(source).poses + counters.at(source).dropped, kRounds);
+  }
+}
+
+TEST(Pipeline, TellsCheckpointsInTheirIntervals) {
+  class Checkpoints : public PipelineObserver {
+   public:
+    void on_checkpoint(PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) override {
+      told.emplace_back(source, checkpoint->laser_state);
+    }
+    std::vector<std::pair<PoseSource, std::string>> told;
+  };
+  FakeModule laser(PoseSource::kLaser);
+  FakeRecording recording(rounds(11));  // scans at 0, 30, ..., 300 ms
+  FakeFusion fusion(0);
+  Checkpoints checkpoints;
+  PipelineOptions options;
+  options.checkpoint_interval = 90'000'000;
+  const PipelineModule module{&laser, nullptr, [] { return ModuleCheckpoint{.laser_state = "state"}; }};
+  ASSERT_TRUE(run_pipeline({&recording, {module}, &fusion, &checkpoints}, options, kNoStop));
+  ASSERT_EQ(checkpoints.told.size(), 3u);
+  EXPECT_EQ(checkpoints.told.front(), std::pair(PoseSource::kLaser, std::string("state")));
+}
+
 TEST(Pipeline, RunsAnEmptyRecordingWithoutTellingAnything) {
   FakeModule laser(PoseSource::kLaser);
   FakeModule visual(PoseSource::kVisual);
