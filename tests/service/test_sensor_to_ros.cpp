@@ -74,8 +74,8 @@ TEST(SensorToRos, OdometryAndMountingsComeBack) {
   EXPECT_EQ(odometry->child_frame, "base_link");
   EXPECT_NEAR(common::to_pose2(odometry->pose).theta, 3.0, 1e-12);
   EXPECT_EQ(odometry->turn_rate, -0.2);
-  const auto transforms =
-      from_ros(*to_ros_transforms({kStamp, "base_link"}, {{"a", {{1, 0, 0}, {}}}, {"b", {{2, 0, 0}, {}}}}));
+  const auto transforms = from_ros(*to_ros_transforms(
+      {kStamp, "base_link"}, {{"a", common::to_pose3({1, 0, 0})}, {"b", common::to_pose3({2, 0, 0})}}));
   ASSERT_TRUE(transforms);
   ASSERT_EQ(transforms->size(), 2u);
   EXPECT_EQ((*transforms)[1].child_frame, "b");
