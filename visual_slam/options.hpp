@@ -86,7 +86,7 @@ struct FilterOptions {
   double known_depth = 0.2;
   double linearity_index = 0.10;
   double gate_probability = 0.99;
-  int iterations = 2;
+  int iterations = 1;
   int min_known_depths = 6;
 
   void describe(common::OptionVisitor& visit);
