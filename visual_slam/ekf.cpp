@@ -314,4 +314,12 @@ std::optional<MapPoint> Ekf::map_point(LandmarkId landmark) const {
   return MapPoint{state_.mean(entry.block), state_.covariance(entry.block, entry.block)};
 }
 
+std::optional<Eigen::Vector3d> Ekf::likely_position(LandmarkId landmark) const {
+  const FilterLandmark& entry = landmarks_.at(landmark);
+  const Eigen::Vector3d numbers = state_.mean(entry.block);
+  if (!entry.anchored) return numbers;
+  if (numbers.z() <= 0.0) return std::nullopt;
+  return to_cartesian(entry.anchor, to_pose(state_.mean(entry.anchor_pose)), numbers, lever_scale()).position;
+}
+
 }  // namespace slamfuse::visual_slam

@@ -105,6 +105,9 @@ class Ekf {
 
   /// Place of a landmark with known depth (Cartesian).
   std::optional<MapPoint> map_point(LandmarkId landmark) const;
+  /// Where a landmark most likely is [m], however well its depth is known; empty while its inverse depth is not
+  /// positive.
+  std::optional<Eigen::Vector3d> likely_position(LandmarkId landmark) const;
 
  private:
   struct FilterLandmark {

@@ -45,6 +45,10 @@ TEST(Ekf, ALandmarkStartsOnItsRayAtTheInitialDepthAndIsPredictedWhereItWasSeen) 
   ASSERT_TRUE(prediction);
   EXPECT_LT((prediction->point - bearing.point).norm(), 1e-9);
   EXPECT_FALSE(filter.map_point(7));
+  const std::optional<Eigen::Vector3d> likely = filter.likely_position(7);
+  ASSERT_TRUE(likely);
+  const Eigen::Vector3d in_camera = camera.R_base_camera.transpose() * (*likely - camera.t_base_camera);
+  EXPECT_NEAR(in_camera.z(), 1.0 / filter_options().initial_inverse_depth, 1e-9);
   EXPECT_EQ(filter.past_poses().size(), 1U);
 }
 
@@ -84,7 +88,10 @@ TEST(Ekf, LandmarksBecomeCartesianNearTheirTruePlaces) {
 
   int cartesian = 0;
   for (LandmarkId id = 0; id < 300; ++id) {
-    if (filter.has(id) && filter.map_point(id)) ++cartesian;
+    if (filter.has(id) && filter.map_point(id)) {
+      ++cartesian;
+      EXPECT_EQ(*filter.likely_position(id), filter.map_point(id)->position);
+    }
   }
 
   EXPECT_GT(cartesian, 30);
