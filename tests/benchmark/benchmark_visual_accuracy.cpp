@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs the visual SLAM alone on a recording with ground truth and prints accuracy, coverage and cost of an image.
+// Runs the visual SLAM alone on a recording and prints accuracy, coverage and cost of an image. Without ground truth
+// the path is held against a straight line, as for a camera moved along a rail.
 //
 //     benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [visual.key=value ...]
 //
 // CAMERAS is a list such as cam0,cam1.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include <Eigen/Eigenvalues>
 
 #include "common/config.hpp"
 #include "common/recording.hpp"
@@ -42,6 +46,27 @@ void print_row(const char* name, const common::Trajectory2& estimate, const comm
   std::printf("%-10s ATE rmse %.4f m  max %.4f m  heading rmse %.3f deg  RPE %.3f %%  coverage %.4f\n", name,
               accuracy->ate_rmse_m, accuracy->ate_max_m, accuracy->heading_rmse_deg,
               accuracy->rpe_percent.value_or(0.0), accuracy->coverage);
+}
+
+/// How far a path is from the straight line that fits best, in percent of its length along the line.
+void print_line_row(const char* name, const common::Trajectory2& path, std::size_t images) {
+  if (path.size() < 2) return;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const auto& [stamp, pose] : path) mean += pose.translation() / static_cast<double>(path.size());
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const auto& [stamp, pose] : path) {
+    scatter += (pose.translation() - mean) * (pose.translation() - mean).transpose() / static_cast<double>(path.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter);
+  double first = 0.0, last = 0.0;
+  for (const auto& [stamp, pose] : path) {
+    const double along = axes.eigenvectors().col(1).dot(pose.translation() - mean);
+    first = std::min(first, along);
+    last = std::max(last, along);
+  }
+  std::printf("%-10s %zu of %zu images not LOST; rms deviation from a line %.2f %% of its length, %.2f units\n", name,
+              path.size(), images, 100.0 * std::sqrt(std::max(0.0, axes.eigenvalues()[0])) / (last - first),
+              last - first);
 }
 
 int fail(const std::string& message) {
@@ -103,12 +128,17 @@ int main(int argc, char** argv) {
       run.online.push_back({result.estimate->stamp, result.estimate->pose});
     }
   }
-  print_row("odometry", run.odometry, *truth);
+  if (!truth->empty()) print_row("odometry", run.odometry, *truth);
   const auto align = options.motion.model == visual_slam::MotionModelKind::kOdometry
                          ? common::EvaluationAlignment::kSe2
                          : common::EvaluationAlignment::kSim2;
-  print_row("online", run.online, *truth, align);
-  print_row("final", (*slam)->final_trajectory(), *truth, align);
+  if (!truth->empty()) {
+    print_row("online", run.online, *truth, align);
+    print_row("final", (*slam)->final_trajectory(), *truth, align);
+  } else {
+    print_line_row("online", run.online, run.milliseconds.size());
+    print_line_row("final", (*slam)->final_trajectory(), run.milliseconds.size());
+  }
   std::sort(run.milliseconds.begin(), run.milliseconds.end());
   double sum = 0.0;
   for (const double value : run.milliseconds) sum += value;
