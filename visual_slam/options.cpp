@@ -87,8 +87,10 @@ void FilterOptions::describe(OptionVisitor& visit) {
              "A landmark becomes Cartesian when its index of linearity falls below this.");
   visit.real("gate_probability", gate_probability, {0.5, 0.99999}, "",
              "Share of right measurements the chi-square gate lets pass.");
-  visit.integer("iterations", iterations, {1, 10}, "", "Linearisations in an update (iterated Kalman filter). More than one make the filter overconfident: the "
-                "Jacobians then know the noise of the measurements.");
+  visit.integer(
+      "iterations", iterations, {1, 10}, "",
+      "Linearisations in an update (iterated Kalman filter). More than one make the filter overconfident: the "
+      "Jacobians then know the noise of the measurements.");
   visit.integer("min_known_depths", min_known_depths, {1, 1000}, "",
                 "Without wheel odometry, parallax of unknown depths teaches the motion, too, in images with fewer "
                 "landmarks of known depth.");
