@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/command_path.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -25,7 +26,7 @@ void CommandPath::issue(const MergedStep& step, common::PoseSource target, const
 
 void CommandPath::advance(SequenceIndex index) {
   const std::lock_guard lock(mutex_);
-  handled_ = index;
+  handled_ = std::max(handled_, index);
   advanced_.notify_all();
 }
 

@@ -27,7 +27,8 @@ class CommandPath {
 
   /// Fusion, while handling `step`: a command for `target`.
   void issue(const MergedStep& step, common::PoseSource target, const common::Command& command);
-  /// Fusion: input `index` and all before it are handled.
+  /// Fusion: input `index` and all before it are handled; live, some before it may still be on their way, whose
+  /// commands then take effect a little later.
   void advance(SequenceIndex index);
 
   /// Module `target`, before it processes `input`: waits as said above and returns the commands now due, oldest first.

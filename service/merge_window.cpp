@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/merge_window.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -19,8 +20,10 @@ bool MergeWindow::open(MergedStep step, std::set<common::PoseSource> owed_by) {
 void MergeWindow::complete(SequenceIndex index, common::PoseSource source, ModuleOutput output) {
   const std::lock_guard lock(mutex_);
   if (aborted_) return;
+  if (order_ == MergeOrder::kAsComplete && index < first_index_) return;
   assert(index >= first_index_ && index < first_index_ + static_cast<SequenceIndex>(slots_.size()));
   Slot& slot = slots_[static_cast<std::size_t>(index - first_index_)];
+  if (!slot.owed_by.contains(source)) return;
   slot.step.outputs.insert_or_assign(source, std::move(output));
   slot.owed_by.erase(source);
   ready_.notify_one();
@@ -28,13 +31,23 @@ void MergeWindow::complete(SequenceIndex index, common::PoseSource source, Modul
 
 std::optional<MergedStep> MergeWindow::take() {
   std::unique_lock lock(mutex_);
-  ready_.wait(lock, [this] { return aborted_ || (slots_.empty() ? closed_ : slots_.front().owed_by.empty()); });
+  auto slot = slots_.end();
+  ready_.wait(lock, [&] {
+    slot = next_slot();
+    return aborted_ || slot != slots_.end() || (slots_.empty() && closed_);
+  });
   if (aborted_ || slots_.empty()) return std::nullopt;
-  std::optional<MergedStep> step(std::move(slots_.front().step));
-  slots_.pop_front();
-  ++first_index_;
+  std::optional<MergedStep> step(std::move(slot->step));
+  slot->taken = true;
+  for (; !slots_.empty() && slots_.front().taken; ++first_index_) slots_.pop_front();
   room_.notify_one();
   return step;
+}
+
+std::deque<MergeWindow::Slot>::iterator MergeWindow::next_slot() {
+  const auto complete = [](const Slot& slot) { return !slot.taken && slot.owed_by.empty(); };
+  if (order_ == MergeOrder::kAsComplete) return std::find_if(slots_.begin(), slots_.end(), complete);
+  return slots_.empty() || !complete(slots_.front()) ? slots_.end() : slots_.begin();
 }
 
 void MergeWindow::close() {

@@ -48,6 +48,12 @@ struct MergedStep {
   std::map<common::PoseSource, ModuleOutput> outputs;  ///< in the order of PoseSource
 };
 
+/// In which order steps are taken.
+enum class MergeOrder {
+  kByIndex,     ///< a replay: always the same
+  kAsComplete,  ///< live: the first that is complete, so that a slow module holds up nobody else's poses
+};
+
 /// Puts the outputs of modules that run at their own pace back in order (DESIGN section 3).
 ///
 /// The reader opens a slot for every input, naming the modules that get it; each module completes its part; the fusion
@@ -55,14 +61,16 @@ struct MergedStep {
 /// (index, source) however the threads ran. The number of open slots is bounded: the reader waits.
 class MergeWindow {
  public:
-  explicit MergeWindow(std::size_t capacity) : capacity_(capacity) {}
+  explicit MergeWindow(std::size_t capacity, MergeOrder order = MergeOrder::kByIndex)
+      : capacity_(capacity), order_(order) {}
 
   /// Reader: adds a step (indices must increase by one) that `owed_by` still have to complete. Waits for room. Returns
   /// false after abort().
   bool open(MergedStep step, std::set<common::PoseSource> owed_by);
-  /// Module: its part of step `index` is done.
+  /// Module: its part of step `index` is done. Nothing happens when the step did not wait for it.
   void complete(SequenceIndex index, common::PoseSource source, ModuleOutput output);
-  /// Fusion: the next step, waiting until it is complete. Empty after close() when all were taken, or after abort().
+  /// Fusion: the next step in the order wanted, waiting until it is complete. Empty after close() when all were taken,
+  /// or after abort().
   std::optional<MergedStep> take();
 
   /// Reader: no more steps will be opened.
@@ -74,9 +82,14 @@ class MergeWindow {
   struct Slot {
     MergedStep step;
     std::set<common::PoseSource> owed_by;
+    bool taken = false;
   };
 
+  /// The slot to take next, if it is complete.
+  std::deque<Slot>::iterator next_slot();
+
   const std::size_t capacity_;
+  const MergeOrder order_;
   std::mutex mutex_;
   std::condition_variable room_;
   std::condition_variable ready_;

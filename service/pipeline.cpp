@@ -104,7 +104,11 @@ common::Result<PipelineOutcome> run_in_one_thread(const PipelineParts& parts, co
 class ThreadedRun {
  public:
   ThreadedRun(const PipelineParts& parts, const PipelineOptions& options, const std::atomic<bool>& stop)
-      : parts_(parts), options_(options), stop_(stop), stages_(parts, options), window_(options.queue_capacity) {
+      : parts_(parts),
+        options_(options),
+        stop_(stop),
+        stages_(parts, options),
+        window_(options.queue_capacity, options.live_backlog > 0 ? MergeOrder::kAsComplete : MergeOrder::kByIndex) {
     for (std::size_t i = 0; i < stages_.modules.size(); ++i) lanes_.emplace_back(options.queue_capacity);
   }
 
@@ -166,7 +170,9 @@ class ThreadedRun {
         receivers.insert(module.source());
       }
     }
-    if (!window_.open(std::move(input.step), receivers)) return false;
+    // Live, odometry goes on to the fusion at once: modules make no pose of it.
+    const bool wait_for_nobody = options_.live_backlog > 0 && !exteroceptive;
+    if (!window_.open(std::move(input.step), wait_for_nobody ? std::set<PoseSource>() : receivers)) return false;
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (!receivers.contains(stages_.modules[i].source())) continue;
       if (exteroceptive) ++lanes_[i].backlog;

@@ -22,7 +22,8 @@ struct PipelineOptions {
   int command_delay = 16;                ///< inputs from a fusion step to its commands taking effect, see CommandPath
   common::Nanoseconds map_interval = 0;  ///< recording time between map pictures for the observer; 0: none
   common::Nanoseconds checkpoint_interval = 0;  ///< recording time between checkpoints for the observer; 0: none
-  /// Scans, or images, that may wait for their module; more are dropped and counted. 0: a replay, nothing is dropped.
+  /// Scans, or images, that may wait for their module; more are dropped and counted, and the fusion gets everything as
+  /// soon as it is there, so the order depends on the modules' pace. 0: a replay, nothing is dropped.
   /// Only with several threads: one thread never has anything waiting.
   int live_backlog = 0;
   double rate = 0.0;  ///< recording seconds in a second of wall time; 0: as fast as possible
