@@ -14,6 +14,7 @@
 #include "fusion/corrected_pose_filter.hpp"
 #include "fusion/correction_limiter.hpp"
 #include "fusion/final_path.hpp"
+#include "fusion/frame_bridge.hpp"
 #include "fusion/measurement_model.hpp"
 #include "fusion/source_monitor.hpp"
 #include "fusion/status_log.hpp"
@@ -51,6 +52,7 @@ struct Fusion::State {
   explicit State(const FusionOptions& given)
       : options(given),
         keeper(given.alignment, given.schedule),
+        bridge(given.bend, given.filter.drift),
         filter(given.filter),
         limiter(given.limit),
         monitors{{PoseSource::kLaser, SourceMonitor(PoseSource::kLaser, given.monitor)},
@@ -70,10 +72,14 @@ struct Fusion::State {
   /// Whose frame the corrected pose is in, decided as halves speak up.
   void choose_map_frame(const PoseEstimate& estimate, FusionOutput& output);
   /// The estimate in the map frame; nothing while there is no way from its frame to that.
-  std::optional<UncertainPose> in_map_frame(const PoseEstimate& estimate) const;
+  std::optional<UncertainPose> in_map_frame(const PoseEstimate& estimate, const common::Pose2& T_odom_base);
   void use(const PoseEstimate& estimate, FusionOutput& output);
   void align_if_due(FusionOutput& output);
   void report(const Alignment& attempt, FusionOutput& output) const;
+  /// For how long [s] every half that speaks has called itself lost; nothing while one does not, or none speaks.
+  std::optional<double> all_lost_for() const;
+  /// Every half says it is lost, as after a carry: what was known of the pose is void, until one says where it is.
+  void give_up_if_all_are_lost();
   StatusEntry fused_status() const;
   void command_lost_halves(FusionOutput& output);
   void write_status(FusionOutput& output);
@@ -82,6 +88,7 @@ struct Fusion::State {
   FusionOptions options;
   common::OdometryBuffer odometry;
   AlignmentKeeper keeper;
+  FrameBridge bridge;
   CorrectedPoseFilter filter;
   CorrectionLimiter limiter;
   std::map<PoseSource, SourceMonitor> monitors;
@@ -93,6 +100,7 @@ struct Fusion::State {
   Nanoseconds now = 0;        ///< where the filter stands
   Nanoseconds last_used = 0;  ///< stamp of the last measurement that was used
   bool was_lost = true;
+  bool gave_up = false;  ///< the pose is void because every half said it is lost
   std::vector<PublishedPose> published;
   std::vector<ReceivedEstimate> received;
 };
@@ -108,6 +116,7 @@ std::optional<OdometryAt> Fusion::State::odometry_at(Nanoseconds stamp) const {
 void Fusion::State::start_odometry_at(const common::Pose2& T_odom_base) {
   filter.change_odometry_frame(T_odom_base);
   limiter.change_odometry_frame(T_odom_base);
+  bridge.change_odometry_frame(T_odom_base);
   for (PublishedPose& pose : published) pose.T_odom_base = T_odom_base * pose.T_odom_base;
   for (ReceivedEstimate& estimate : received) estimate.T_odom_base = T_odom_base * estimate.T_odom_base;
 }
@@ -118,6 +127,7 @@ bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& out
   if (estimate.map_epoch < known->second) return false;
   known->second = estimate.map_epoch;
   keeper.forget(estimate.source);
+  bridge.use(std::nullopt);
   if (map_frame == estimate.source) {
     filter.restart();
     limiter.restart();
@@ -138,15 +148,20 @@ void Fusion::State::choose_map_frame(const PoseEstimate& estimate, FusionOutput&
     map_frame = PoseSource::kLaser;
     return;
   }
+  // A laser that searches its place in a map speaks, too: its frame is waited for.
+  const SourceMonitor& laser = monitors.at(PoseSource::kLaser);
+  if (laser.heard() && common::to_seconds(now - laser.last_stamp()) < options.supervision.visual_only_after) return;
   if (!first_visual) first_visual = estimate.stamp;
   const double waited = common::to_seconds(estimate.stamp - *first_visual);
   if (!map_frame && waited >= options.supervision.visual_only_after) map_frame = PoseSource::kVisual;
 }
 
-std::optional<UncertainPose> Fusion::State::in_map_frame(const PoseEstimate& estimate) const {
+std::optional<UncertainPose> Fusion::State::in_map_frame(const PoseEstimate& estimate,
+                                                         const common::Pose2& T_odom_base) {
   const UncertainPose measured = measurement_of(estimate, options.measurement);
   if (map_frame == estimate.source) return measured;
-  if (map_frame == PoseSource::kLaser && keeper.accepted()) return to_laser(measured, *keeper.accepted());
+  if (map_frame == PoseSource::kLaser)
+    return bridge.to_laser(estimate.stamp, measured, T_odom_base, options.filter.gate);
   return std::nullopt;
 }
 
@@ -154,9 +169,12 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
   choose_map_frame(estimate, output);
   keeper.add(estimate);
   align_if_due(output);
-  const auto measured = in_map_frame(estimate);
   const auto then = odometry_at(estimate.stamp);
-  if (!measured || !then) return;
+  if (!then) return;
+  // After a carry a half that only guesses where it might be must not be the one to say so.
+  if (gave_up && estimate.state != TrackingState::kTracking) return;
+  const auto measured = in_map_frame(estimate, then->T_odom_base);
+  if (!measured) return;
 
   const bool late = estimate.stamp < now;
   if (!late) {
@@ -166,6 +184,7 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
   const MeasurementReport report =
       filter.measure(estimate.source, estimate.stamp, *measured, then->T_odom_base, late ? then->seconds_without : 0.0);
   monitors.at(estimate.source).measured(report);
+  gave_up = false;
   if (report.outcome == MeasurementOutcome::kAdopted) {
     tell(output, "raw_jump",
          fmt::format("the {} half told another place long enough: the corrected pose moves {:.2f} m",
@@ -174,17 +193,41 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
   if (report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled) {
     // A late pose does not undo a newer one; where the clock itself steps back (CARMEN) nothing is late.
     last_used = late ? std::max(last_used, estimate.stamp) : estimate.stamp;
+    if (estimate.source == PoseSource::kLaser) bridge.laser_told(estimate.stamp, *measured, then->T_odom_base);
   }
 }
 
 void Fusion::State::align_if_due(FusionOutput& output) {
-  if (const auto attempt = keeper.update()) report(*attempt, output);
+  const auto attempt = keeper.update();
+  if (!attempt) return;
+  report(*attempt, output);
+  bridge.use(keeper.accepted());
 }
 
 void Fusion::State::report(const Alignment& attempt, FusionOutput& output) const {
   tell(output, attempt.accepted ? "aligned" : "alignment_refused",
        fmt::format("{}: {}; rotation {:.2f} deg, scale {:.4f} x {:.4f}", to_string(attempt.method), attempt.reason,
                    attempt.rotation_deg, attempt.scale.x(), attempt.scale.y()));
+}
+
+std::optional<double> Fusion::State::all_lost_for() const {
+  std::optional<double> shortest;
+  for (const auto& [source, monitor] : monitors) {
+    if (!monitor.speaks(now)) continue;
+    const auto lost = monitor.lost_for(now);
+    if (!lost) return std::nullopt;
+    shortest = std::min(*lost, shortest.value_or(*lost));
+  }
+  return shortest;
+}
+
+void Fusion::State::give_up_if_all_are_lost() {
+  const auto lost = all_lost_for();
+  if (!filter.started() || !lost || *lost < options.supervision.both_lost_after) return;
+  filter.restart();
+  limiter.restart();
+  bridge.forget_place();
+  gave_up = true;
 }
 
 StatusEntry Fusion::State::fused_status() const {
@@ -194,12 +237,16 @@ StatusEntry Fusion::State::fused_status() const {
   if (!filter.started()) {
     entry.state = Verdict::kLost;
     entry.score = 0.0;
-    entry.reasons.emplace_back("no usable pose has come yet");
+    entry.reasons.emplace_back(gave_up ? "every half that speaks says it is lost" : "no usable pose has come yet");
     return entry;
   }
   entry.score = 0.0;
   for (const auto& [source, monitor] : monitors) {
     if (monitor.heard()) entry.score = std::max(entry.score, monitor.status(now).score);
+  }
+  if (all_lost_for()) {
+    entry.state = Verdict::kSuspect;
+    entry.reasons.emplace_back("every half that speaks says it is lost");
   }
   const double silence = common::to_seconds(now - last_used);
   const bool confirmed = silence < options.monitor.silent_after;
@@ -236,8 +283,7 @@ void Fusion::State::command_lost_halves(FusionOutput& output) {
       continue;
     }
     last_command[target] = now;
-    const UncertainPose pose =
-        target == PoseSource::kLaser ? filter.state() : to_visual(filter.state(), *keeper.accepted());
+    const UncertainPose pose = target == PoseSource::kLaser ? filter.state() : *bridge.to_visual(filter.state());
     output.commands.push_back({target, common::SetPose{pose.pose, pose.covariance}});
     tell(output, "set_pose", fmt::format("the {} half is told its pose", common::to_string(target)));
   }
@@ -300,6 +346,7 @@ FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
   if (first) s.start_odometry_at(odometry.pose);
   s.filter.move_to(odometry.pose, 0.0);
   s.now = odometry.stamp;
+  s.give_up_if_all_are_lost();
   s.command_lost_halves(output);
   s.write_status(output);
   s.publish(output);
@@ -326,6 +373,7 @@ FusionOutput Fusion::process(const PoseEstimate& estimate) {
                         late ? static_cast<std::size_t>(s.published.rend() - place) : s.published.size()});
   const bool usable = estimate.state != TrackingState::kLost;
   if (usable) s.use(estimate, output);
+  s.give_up_if_all_are_lost();
   s.command_lost_halves(output);
   s.write_status(output);
   if (usable && s.now == estimate.stamp && !late) s.publish(output);
@@ -335,6 +383,7 @@ FusionOutput Fusion::process(const PoseEstimate& estimate) {
 FusionOutput Fusion::align_now() {
   FusionOutput output;
   state_->report(state_->keeper.align(), output);
+  state_->bridge.use(state_->keeper.accepted());
   return output;
 }
 

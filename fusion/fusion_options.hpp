@@ -4,6 +4,7 @@
 #include "common/options.hpp"
 #include "fusion/alignment_keeper.hpp"
 #include "fusion/alignment_options.hpp"
+#include "fusion/bend_tracker.hpp"
 #include "fusion/corrected_pose_filter.hpp"
 #include "fusion/correction_limiter.hpp"
 #include "fusion/measurement_model.hpp"
@@ -15,6 +16,7 @@ namespace slamfuse::fusion {
 struct SupervisionOptions {
   double lost_position_sigma = 0.5;
   double lost_heading_sigma = 0.35;
+  double both_lost_after = 0.5;
   double visual_only_after = 1.0;
   double contradiction_time = 5.0;
   double command_interval = 5.0;
@@ -25,8 +27,12 @@ struct SupervisionOptions {
                "With no half left, the fused pose is LOST when its position is less certain than this.");
     visit.real("lost_heading_sigma", lost_heading_sigma, {0.01, 3.15}, "rad",
                "With no half left, the fused pose is LOST when its heading is less certain than this.");
+    visit.real(
+        "both_lost_after", both_lost_after, {0.0, 60.0}, "s",
+        "The fused pose is LOST when every half that speaks has called itself lost for this long; until then it is "
+        "SUSPECT.");
     visit.real("visual_only_after", visual_only_after, {0.0, 60.0}, "s",
-               "Without a laser for this long the visual map frame becomes the map frame.");
+               "Without a word of a laser for this long the visual map frame becomes the map frame.");
     visit.real("contradiction_time", contradiction_time, {0.1, 600.0}, "s",
                "A half that still claims to track is told its pose after the other half has overruled it this long.");
     visit.real("command_interval", command_interval, {0.1, 600.0}, "s", "A half is told its pose at most this often.");
@@ -38,6 +44,7 @@ struct SupervisionOptions {
 struct FusionOptions {
   AlignmentOptions alignment;
   AlignmentScheduleOptions schedule;
+  BendOptions bend;
   CorrectedPoseOptions filter;
   CorrectionLimitOptions limit;
   MeasurementOptions measurement;
@@ -47,6 +54,7 @@ struct FusionOptions {
   void describe(common::OptionVisitor& visit) {
     visit.nested("alignment", alignment, "Alignment of the two trajectories.");
     visit.nested("schedule", schedule, "When the alignment is tried.");
+    visit.nested("bend", bend, "How the maps bend against each other along the drive.");
     visit.nested("filter", filter, "The corrected pose.");
     visit.nested("limit", limit, "How fast the published correction may move.");
     visit.nested("measurement", measurement, "How far a half's own covariance is believed.");

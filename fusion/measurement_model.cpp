@@ -19,14 +19,6 @@ Eigen::Matrix3d moved_covariance(const Eigen::Matrix3d& covariance, const Eigen:
   return jacobian * covariance * jacobian.transpose();
 }
 
-/// What pairs unseen by the alignment were off by (half of a squared distance for each axis), and how uncertain the map
-/// itself is at a place.
-Eigen::Matrix3d alignment_error(const Alignment& alignment, const Eigen::Vector2d& visual) {
-  Eigen::Matrix3d error = variances(alignment.heldout_rmse / std::sqrt(2.0), alignment.heading_rmse);
-  error.topLeftCorner<2, 2>() += alignment.position_covariance(visual);
-  return error;
-}
-
 }  // namespace
 
 std::optional<std::string> flaw_of(const common::PoseEstimate& estimate) {
@@ -54,15 +46,19 @@ UncertainPose measurement_of(const common::PoseEstimate& estimate, const Measure
   return {estimate.pose, covariance};
 }
 
-UncertainPose to_laser(const UncertainPose& visual, const Alignment& alignment) {
-  return {alignment.to_laser(visual.pose), moved_covariance(visual.covariance, alignment.map.linear) +
-                                               alignment_error(alignment, visual.pose.translation())};
+UncertainPose aligned_pose(const UncertainPose& visual, const Alignment& alignment) {
+  return {alignment.to_laser(visual.pose), moved_covariance(visual.covariance, alignment.map.linear)};
 }
 
-UncertainPose to_visual(const UncertainPose& laser, const Alignment& alignment) {
-  const common::Pose2 visual = alignment.to_visual(laser.pose);
-  return {visual, moved_covariance(laser.covariance + alignment_error(alignment, visual.translation()),
-                                   alignment.map.linear.inverse())};
+Eigen::Matrix3d alignment_error(const Alignment& alignment, const Eigen::Vector2d& visual) {
+  // Half of a squared distance for each axis.
+  Eigen::Matrix3d error = variances(alignment.heldout_rmse / std::sqrt(2.0), alignment.heading_rmse);
+  error.topLeftCorner<2, 2>() += alignment.position_covariance(visual);
+  return error;
+}
+
+UncertainPose visual_pose(const UncertainPose& aligned, const Alignment& alignment) {
+  return {alignment.to_visual(aligned.pose), moved_covariance(aligned.covariance, alignment.map.linear.inverse())};
 }
 
 }  // namespace slamfuse::fusion

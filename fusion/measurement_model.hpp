@@ -35,12 +35,15 @@ std::optional<std::string> flaw_of(const common::PoseEstimate& estimate);
 /// floors.
 UncertainPose measurement_of(const common::PoseEstimate& estimate, const MeasurementOptions& options);
 
-/// A visual measurement brought into the laser map frame: G_LV moves pose and covariance, and what pairs that G_LV had
-/// not seen were off by is added (the bend of the visual map, which G_LV cannot follow), and G_LV's own uncertainty at
-/// that place.
-UncertainPose to_laser(const UncertainPose& visual, const Alignment& alignment);
+/// A visual measurement brought into the laser map frame: G_LV moves pose and covariance. What G_LV itself is off by is
+/// not in it.
+UncertainPose aligned_pose(const UncertainPose& visual, const Alignment& alignment);
 
-/// A pose in the laser map frame brought into the visual map frame, for setting the visual half's pose.
-UncertainPose to_visual(const UncertainPose& laser, const Alignment& alignment);
+/// Covariance of what an aligned pose at the place `visual` is off by: what pairs that G_LV had not seen were off by
+/// (the bend of the visual map, which G_LV cannot follow), and G_LV's own uncertainty there.
+Eigen::Matrix3d alignment_error(const Alignment& alignment, const Eigen::Vector2d& visual);
+
+/// The inverse of aligned_pose.
+UncertainPose visual_pose(const UncertainPose& aligned, const Alignment& alignment);
 
 }  // namespace slamfuse::fusion

@@ -14,8 +14,16 @@ constexpr double kSuspectBelow = 0.4;
 }  // namespace
 
 bool SourceMonitor::healthy(common::Nanoseconds now) const {
-  return heard_ && own_state_ != common::TrackingState::kLost && gated_in_a_row_ == 0 &&
-         common::to_seconds(now - stamp_) < options_.silent_after;
+  return speaks(now) && own_state_ != common::TrackingState::kLost && gated_in_a_row_ == 0;
+}
+
+bool SourceMonitor::speaks(common::Nanoseconds now) const {
+  return heard_ && common::to_seconds(now - stamp_) < options_.silent_after;
+}
+
+std::optional<double> SourceMonitor::lost_for(common::Nanoseconds now) const {
+  if (!lost_since_ || !speaks(now)) return std::nullopt;
+  return common::to_seconds(now - *lost_since_);
 }
 
 double SourceMonitor::overruled_for(common::Nanoseconds now) const {
@@ -26,6 +34,11 @@ void SourceMonitor::estimated(const common::PoseEstimate& estimate) {
   heard_ = true;
   stamp_ = estimate.stamp;
   own_state_ = estimate.state;
+  if (own_state_ != common::TrackingState::kLost) {
+    lost_since_.reset();
+  } else if (!lost_since_) {
+    lost_since_ = stamp_;
+  }
 }
 
 void SourceMonitor::measured(const MeasurementReport& report) {

@@ -35,6 +35,10 @@ class SourceMonitor {
   double overruled_for(common::Nanoseconds now) const;
   /// Its own word at its last estimate.
   common::TrackingState own_state() const { return own_state_; }
+  /// For how long [s] it has been calling itself lost; nothing if it does not, or is silent.
+  std::optional<double> lost_for(common::Nanoseconds now) const;
+  /// Whether it still speaks.
+  bool speaks(common::Nanoseconds now) const;
   /// Whether its last pose was used and it still speaks.
   bool healthy(common::Nanoseconds now) const;
 
@@ -54,6 +58,7 @@ class SourceMonitor {
   common::TrackingState own_state_ = common::TrackingState::kTracking;
   int gated_in_a_row_ = 0;
   std::optional<common::Nanoseconds> overruled_since_;
+  std::optional<common::Nanoseconds> lost_since_;
   double squared_distance_ = 0.0;
 };
 

@@ -302,6 +302,125 @@ TEST(Fusion, OdometryCarriesOnWhenBothHalvesAreSilentUntilItHasDriftedTooFar) {
   EXPECT_EQ(last.state, Verdict::kLost);
 }
 
+TEST(Fusion, AVisualMapThatBendsDoesNotDragAHealthyLaser) {
+  const auto alone = make_fusion();
+  const double laser_only = drive(*alone, 2400, {.visual = silent}).rmse();
+  const auto bending = [](int step, common::PoseEstimate& visual) {
+    visual.pose.x += 0.15 * std::sin(0.004 * step);  // up to 0.3 m in the laser's map
+    visual.pose.y -= 0.10 * std::cos(0.003 * step);
+    return true;
+  };
+  const auto fusion = make_fusion();
+
+  const DriveLog run = drive(*fusion, 2400, {.visual = bending});
+
+  ASSERT_TRUE(fusion->alignment().has_value() && fusion->alignment()->accepted);
+  EXPECT_LT(run.rmse(), 1.05 * laser_only);
+}
+
+TEST(Fusion, TheBendIsKnownWhenTheLaserFallsSilent) {
+  const auto bending = [](int step, common::PoseEstimate& visual) {
+    visual.pose.x += 0.15 * std::sin(0.0015 * step);  // up to 0.3 m in the laser's map
+    return true;
+  };
+  const auto fusion = make_fusion();
+
+  const DriveLog run = drive(*fusion, 2000, {.laser = [](int step, auto&) { return step < 1800; }, .visual = bending});
+
+  EXPECT_LT(run.worst(1800, 1830), 0.15);
+  EXPECT_LT(run.rmse(1800, 2000), 0.15);  // ten seconds, four metres; a visual pose has 0.07 m of noise
+  EXPECT_FALSE(run.has_event("raw_jump"));
+}
+
+/// The robot is carried by `kCarry` at step 800; both halves say they are lost, then one after the other finds itself.
+constexpr int kCarried = 800;
+constexpr int kLaserBack = 840;
+const common::Pose2 kCarry{1.8, -2.5, 1.2};
+
+DriveLog carried_drive(Fusion& fusion, const std::function<void(int, common::PoseEstimate&)>& visual_says) {
+  const auto laser_says = [](int step, common::PoseEstimate& laser) {
+    if (step < kCarried) return true;
+    if (step < kLaserBack) {
+      laser.state = common::TrackingState::kLost;
+    } else {
+      laser.pose = kCarry * laser.pose;
+    }
+    return true;
+  };
+  return drive(fusion, 1200, {.laser = laser_says, .visual = [&](int step, common::PoseEstimate& visual) {
+                                if (step >= kCarried) visual_says(step, visual);
+                                return true;
+                              }});
+}
+
+/// Distance of the worst pose since `from` from where the robot was carried to, and steps on which there was none.
+double worst_after_carry(const DriveLog& run, int from) {
+  double worst = 0.0;
+  SimulatedDrive simulation;
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    if (run.steps[i] < from) continue;
+    const common::Pose2 truth = kCarry * simulation.truth(run.steps[i]);
+    worst = std::max(worst, (run.poses[i].estimate.pose.translation() - truth.translation()).norm());
+  }
+  return worst;
+}
+
+TEST(Fusion, AfterACarryItIsLostAtOnceAndRightWithTheFirstPoseThatFoundItself) {
+  const auto fusion = make_fusion();
+  const auto stays_lost = [](int, common::PoseEstimate& visual) { visual.state = common::TrackingState::kLost; };
+
+  const DriveLog run = carried_drive(*fusion, stays_lost);
+
+  const int poses_while_lost = static_cast<int>(std::count_if(
+      run.steps.begin(), run.steps.end(), [](int step) { return step >= kCarried + 15 && step < kLaserBack; }));
+  EXPECT_EQ(poses_while_lost, 0) << "LOST has to be said within 0.75 s";
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    if (run.steps[i] > kCarried && run.steps[i] < kLaserBack) {
+      EXPECT_EQ(run.poses[i].estimate.state, common::TrackingState::kUncertain) << "step " << run.steps[i];
+    }
+  }
+  EXPECT_LT(worst_after_carry(run, kLaserBack), 0.15);
+  EXPECT_TRUE(run.has_event("lost"));
+}
+
+TEST(Fusion, AGuessDoesNotEndALostPose) {
+  const auto fusion = make_fusion();
+  const auto guesses = [](int step, common::PoseEstimate& visual) {
+    visual.state = step < kCarried + 20 ? common::TrackingState::kLost : common::TrackingState::kUncertain;
+  };
+
+  const DriveLog run = carried_drive(*fusion, guesses);
+
+  EXPECT_TRUE(std::none_of(run.steps.begin(), run.steps.end(),
+                           [](int step) { return step >= kCarried + 15 && step < kLaserBack; }));
+  EXPECT_LT(worst_after_carry(run, kLaserBack), 0.15);
+}
+
+TEST(Fusion, TheSameSilenceWithoutACarryIsNotLost) {
+  const auto fusion = make_fusion();
+  const auto three_seconds_of_silence = [](int step, common::PoseEstimate&) { return step < 800 || step >= 860; };
+
+  const DriveLog run = drive(*fusion, 1200, {.laser = three_seconds_of_silence, .visual = three_seconds_of_silence});
+
+  EXPECT_FALSE(run.has_event("lost"));
+  EXPECT_LT(run.worst(800, 1200), 0.2);
+}
+
+TEST(Fusion, WaitsForALaserThatSearchesInsteadOfPublishingInAnotherFrame) {
+  const auto fusion = make_fusion();
+  const auto searching = [](int step, common::PoseEstimate& laser) {
+    if (step < 100) laser.state = common::TrackingState::kLost;
+    return true;
+  };
+
+  const DriveLog run = drive(*fusion, 300, {.laser = searching});
+
+  ASSERT_FALSE(run.steps.empty());
+  EXPECT_GE(run.steps.front(), 100);
+  EXPECT_LT(run.worst(100, 300), 0.15);
+  EXPECT_FALSE(run.has_event("frame_changed"));
+}
+
 TEST(Fusion, PosesThatArriveLateAreUsedAtTheirOwnStamps) {
   const auto fusion = make_fusion();
   SimulatedDrive simulation;
