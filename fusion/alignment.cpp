@@ -223,29 +223,48 @@ bool all_finite(const common::Trajectory2& trajectory) {
   return std::all_of(trajectory.begin(), trajectory.end(), [](const auto& pose) { return pose.pose.is_finite(); });
 }
 
-}  // namespace
+/// What is taken to lie between the two sensors, see Alignment.
+struct Offsets {
+  double clock_offset = 0.0;
+  Eigen::Vector2d lever_arm = Eigen::Vector2d::Zero();
+};
 
-common::Pose2 Alignment::to_laser(const common::Pose2& visual) const {
-  const Eigen::Vector2d position = map * visual.translation();
-  return {position.x(), position.y(), common::normalize_angle(visual.theta + heading_offset)};
+/// Pairs by the laser's clock; the laser's poses are moved to the visual's tracked point, which the map has to meet.
+std::vector<PosePair> pairs_of(const common::Trajectory2& laser, const common::Trajectory2& visual,
+                               const Offsets& offsets, const PairingOptions& options) {
+  common::Trajectory2 by_laser_clock = visual;
+  for (auto& pose : by_laser_clock) pose.stamp += common::from_seconds(offsets.clock_offset);
+  std::vector<PosePair> pairs = pair_trajectories(laser, by_laser_clock, options);
+  for (PosePair& pair : pairs) {
+    const Eigen::Vector2d tracked = pair.laser * offsets.lever_arm;
+    pair.laser.x = tracked.x();
+    pair.laser.y = tracked.y();
+  }
+  return pairs;
 }
 
-common::Pose2 Alignment::to_visual(const common::Pose2& laser) const {
-  const Eigen::Vector2d position = map.inverse() * laser.translation();
-  return {position.x(), position.y(), common::normalize_angle(laser.theta - heading_offset)};
+/// At most `count` pairs, evenly spread: neighbours share their errors, more of them tell nothing new.
+std::vector<PosePair> thinned(std::vector<PosePair> pairs, std::size_t count) {
+  if (pairs.size() <= count) return pairs;
+  std::vector<PosePair> thin;
+  thin.reserve(count);
+  for (std::size_t n = 0; n < count; ++n) thin.push_back(pairs[n * pairs.size() / count]);
+  return thin;
 }
 
-Alignment align_trajectories(const common::Trajectory2& laser, const common::Trajectory2& visual,
-                             const AlignmentOptions& options) {
+Alignment align_as_told(const common::Trajectory2& laser, const common::Trajectory2& visual,
+                        const AlignmentOptions& options, const Offsets& offsets) {
   Alignment nothing;
   nothing.method = options.method;
+  nothing.clock_offset = offsets.clock_offset;
+  nothing.lever_arm = offsets.lever_arm;
   if (!all_finite(laser)) return refuse(nothing, "the laser trajectory has a pose that is not finite");
   if (!all_finite(visual)) return refuse(nothing, "the visual trajectory has a pose that is not finite");
 
   if (laser.empty()) return refuse(nothing, "there is no laser trajectory");
   if (visual.empty()) return refuse(nothing, "there is no visual trajectory");
 
-  const std::vector<PosePair> all_pairs = pair_trajectories(laser, visual, options.pairing);
+  const std::vector<PosePair> all_pairs = pairs_of(laser, visual, offsets, options.pairing);
   nothing.pairs = all_pairs.size();
   if (all_pairs.empty()) return refuse(nothing, "the trajectories have no poses at common times");
   const auto needed = static_cast<std::size_t>(options.min_pairs);
@@ -256,7 +275,8 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   if (path < options.min_path) {
     return refuse(nothing, fmt::format("the path is too short: {:.3f} m, needed {:.3f} m", path, options.min_path));
   }
-  const std::vector<PosePair> pairs = without_standstill(all_pairs, options.pairing);
+  const std::vector<PosePair> pairs =
+      thinned(without_standstill(all_pairs, options.pairing), static_cast<std::size_t>(options.most_pairs));
   nothing.pairs = pairs.size();
   if (pairs.size() < needed) {
     return refuse(nothing, fmt::format("too few pairs where the robot moved: {}, needed {}", pairs.size(), needed));
@@ -267,6 +287,8 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   const double straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
   Alignment best = evaluate(pairs, trusted, straightness_ratio, options);
   best.straightness_ratio = straightness_ratio;
+  best.clock_offset = offsets.clock_offset;
+  best.lever_arm = offsets.lever_arm;
   const std::string against = objection(best, spread, options);
   if (!against.empty()) return refuse(best, against);
   best.accepted = true;
@@ -275,10 +297,43 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   return best;
 }
 
+}  // namespace
+
+common::Pose2 Alignment::to_laser(const common::Pose2& visual) const {
+  common::Pose2 laser{0.0, 0.0, common::normalize_angle(visual.theta + heading_offset)};
+  const Eigen::Vector2d position = map * visual.translation() - laser.rotation() * lever_arm;
+  laser.x = position.x();
+  laser.y = position.y();
+  return laser;
+}
+
+common::Pose2 Alignment::to_visual(const common::Pose2& laser) const {
+  const Eigen::Vector2d position = map.inverse() * (laser * lever_arm);
+  return {position.x(), position.y(), common::normalize_angle(laser.theta - heading_offset)};
+}
+
+Alignment align_trajectories(const common::Trajectory2& laser, const common::Trajectory2& visual,
+                             const AlignmentOptions& options) {
+  Alignment plain = align_as_told(laser, visual, options, {});
+  // Seed 004 knows of no offsets.
+  const bool of_the_paper = options.method == AlignmentMethod::kSeed004;
+  if (!plain.accepted || !options.offsets.estimate || of_the_paper) return plain;
+  plain.offsets =
+      estimate_sensor_offsets(laser, visual, common::from_seconds(options.pairing.max_gap), options.offsets);
+  if (!plain.offsets) return plain;
+  const auto clear = significant(*plain.offsets, options.offsets);
+  if (!clear) return plain;
+  Alignment better = align_as_told(laser, visual, options, {clear->clock_offset, clear->lever_arm});
+  if (!better.accepted || better.heldout_rmse >= options.offset_gain * plain.heldout_rmse) return plain;
+  better.offsets = plain.offsets;
+  return better;
+}
+
 double typical_error(const common::Trajectory2& laser, const common::Trajectory2& visual, const Alignment& alignment,
                      const AlignmentOptions& options) {
   std::vector<double> distances;
-  for (const PosePair& pair : pair_trajectories(laser, visual, options.pairing)) {
+  const Offsets offsets{alignment.clock_offset, alignment.lever_arm};
+  for (const PosePair& pair : pairs_of(laser, visual, offsets, options.pairing)) {
     distances.push_back((pair.laser.translation() - alignment.map * pair.visual.translation()).norm());
   }
   return distances.empty() ? std::numeric_limits<double>::infinity() : median(std::move(distances));
@@ -293,7 +348,10 @@ Eigen::Matrix2d Alignment::position_covariance(const Eigen::Vector2d& visual) co
 common::Trajectory2 to_laser_frame(const common::Trajectory2& visual, const Alignment& alignment) {
   common::Trajectory2 aligned;
   aligned.reserve(visual.size());
-  for (const common::StampedPose2& pose : visual) aligned.push_back({pose.stamp, alignment.to_laser(pose.pose)});
+  const common::Nanoseconds shift = common::from_seconds(alignment.clock_offset);
+  for (const common::StampedPose2& pose : visual) {
+    aligned.push_back({pose.stamp + shift, alignment.to_laser(pose.pose)});
+  }
   return aligned;
 }
 

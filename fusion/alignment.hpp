@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include <Eigen/Core>
@@ -10,6 +11,7 @@
 #include "fusion/alignment_options.hpp"
 #include "fusion/mapping_matrix.hpp"
 #include "fusion/planar_affine.hpp"
+#include "fusion/sensor_offsets.hpp"
 
 namespace slamfuse::fusion {
 
@@ -32,6 +34,13 @@ struct Alignment {
   double heading_offset = 0.0;
   double heading_rmse = 0.0;  ///< of the inlying pairs' headings after that [rad]
 
+  /// What was found to lie between the two sensors, with standard deviations; used or not.
+  std::optional<SensorOffsets> offsets;
+  double clock_offset = 0.0;  ///< what is added to visual stamps [s]: as estimated where it is clear, else 0
+  /// The visual's tracked point in the laser's body frame [m]: as estimated where it is clear, else 0. `map` meets that
+  /// point.
+  Eigen::Vector2d lever_arm = Eigen::Vector2d::Zero();
+
   double rmse = 0.0;          ///< of the inlying pairs' positions [m]
   double heldout_rmse = 0.0;  ///< of the inliers that were held out, under a fit to the others [m]
   double rmse_all = 0.0;      ///< of all pairs, outliers too [m]
@@ -44,9 +53,9 @@ struct Alignment {
 
   /// Covariance of `map * visual` that comes from the map's own uncertainty; it grows away from the pairs.
   Eigen::Matrix2d position_covariance(const Eigen::Vector2d& visual) const;
-  /// A pose of the visual map frame in the laser map frame.
+  /// A pose of the visual map frame in the laser map frame, of the laser's tracked point.
   common::Pose2 to_laser(const common::Pose2& visual) const;
-  /// A pose of the laser map frame in the visual map frame.
+  /// A pose of the laser map frame in the visual map frame, of the visual's tracked point.
   common::Pose2 to_visual(const common::Pose2& laser) const;
 };
 
@@ -61,7 +70,7 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
 double typical_error(const common::Trajectory2& laser, const common::Trajectory2& visual, const Alignment& alignment,
                      const AlignmentOptions& options);
 
-/// The visual trajectory in the laser map frame: the content of visual_aligned.tum.
+/// The visual trajectory in the laser map frame and by the laser's clock: the content of visual_aligned.tum.
 common::Trajectory2 to_laser_frame(const common::Trajectory2& visual, const Alignment& alignment);
 
 }  // namespace slamfuse::fusion

@@ -6,6 +6,7 @@
 #include "common/options.hpp"
 #include "fusion/robust_fit.hpp"
 #include "fusion/seed004.hpp"
+#include "fusion/sensor_offsets.hpp"
 #include "fusion/trajectory_pairing.hpp"
 
 namespace slamfuse::fusion {
@@ -27,6 +28,7 @@ struct AlignmentOptions {
   double affine_gain = 0.9;
   double affine_straightness_ratio = 0.2;
   int min_pairs = 20;
+  int most_pairs = 2000;
   double min_path = 1.0;
   double min_straightness_ratio = 0.05;
   double min_runner_up_ratio = 1.5;
@@ -34,6 +36,8 @@ struct AlignmentOptions {
   double max_relative_error = 0.2;
   double min_inlier_share = 0.5;
   int heldout_block = 10;
+  double offset_gain = 0.95;
+  SensorOffsetOptions offsets;
   PairingOptions pairing;
   RobustFitOptions robust;
   Seed004Options seed004;
@@ -54,6 +58,8 @@ struct AlignmentOptions {
                "Method auto considers the affine map only if the path is at least this wide (as "
                "min_straightness_ratio): across a narrow one the second scale is hardly seen.");
     visit.integer("min_pairs", min_pairs, {6, 100000}, "", "Fewer pairs are refused.");
+    visit.integer("most_pairs", most_pairs, {100, 10000000}, "",
+                  "Of more pairs so many are used, evenly spread: neighbours share their errors.");
     visit.real("min_path", min_path, {0.0, 1000.0}, "m", "A shorter laser path within the pairs is refused.");
     visit.real("min_straightness_ratio", min_straightness_ratio, {0.0, 1.0}, "",
                "Narrow over wide standard deviation of the positions below which a path is refused as straight.");
@@ -67,6 +73,10 @@ struct AlignmentOptions {
                "Share of pairs that must agree with a common map.");
     visit.integer("heldout_block", heldout_block, {1, 10000}, "pairs",
                   "Every fourth block of this many neighbouring pairs is held out of a fit to test it.");
+    visit.real(
+        "offset_gain", offset_gain, {0.0, 1.0}, "",
+        "Clock offset and lever arm are used only if the held-out error with them is below this part of that without.");
+    visit.nested("offsets", offsets, "Clock offset and lever arm between the two sensors.");
     visit.nested("pairing", pairing, "Pairing of the poses by time.");
     visit.nested("robust", robust, "Robust direct estimators (similarity, affine).");
     visit.nested("seed004", seed004, "The paper's pipeline.");

@@ -48,9 +48,9 @@ bool BendTracker::update(const Eigen::Vector3d& residual, const Eigen::Matrix3d&
 }
 
 UncertainPose BendTracker::correct(const UncertainPose& aligned) const {
-  return {{aligned.pose.x + bend_.x(), aligned.pose.y + bend_.y(),
-           common::normalize_angle(aligned.pose.theta + bend_.z())},
-          aligned.covariance + covariance_};
+  return {
+      {aligned.pose.x + bend_.x(), aligned.pose.y + bend_.y(), common::normalize_angle(aligned.pose.theta + bend_.z())},
+      aligned.covariance + covariance_};
 }
 
 }  // namespace slamfuse::fusion

@@ -43,7 +43,7 @@ class BendTracker {
   /// is not used, and false returned.
   bool update(const Eigen::Vector3d& residual, const Eigen::Matrix3d& noise, double gate);
 
-  const Eigen::Vector3d& bend() const { return bend_; }             ///< r
+  const Eigen::Vector3d& bend() const { return bend_; }              ///< r
   const Eigen::Matrix3d& covariance() const { return covariance_; }  ///< of r
   /// An aligned visual pose moved by r; the covariance of r is added to its own.
   UncertainPose correct(const UncertainPose& aligned) const;

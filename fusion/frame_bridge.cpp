@@ -68,7 +68,8 @@ std::optional<UncertainPose> FrameBridge::to_laser(common::Nanoseconds stamp, co
     if (bend_.update(residual, laser->covariance + aligned.covariance, gate)) laser_covariance_ = laser->covariance;
   }
   UncertainPose corrected = bend_.correct(aligned);
-  // The bend was measured against laser poses that share the errors of their map: the mean of many is no better than one.
+  // The bend was measured against laser poses that share the errors of their map: the mean of many is no better than
+  // one.
   corrected.covariance += laser_covariance_;
   return corrected;
 }

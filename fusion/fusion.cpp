@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <utility>
 
@@ -73,11 +74,22 @@ struct Fusion::State {
   void choose_map_frame(const PoseEstimate& estimate, FusionOutput& output);
   /// The estimate in the map frame; nothing while there is no way from its frame to that.
   std::optional<UncertainPose> in_map_frame(const PoseEstimate& estimate, const common::Pose2& T_odom_base);
+  /// The estimate with its stamp by the laser's clock, as far as the alignment tells.
+  PoseEstimate by_laser_clock(PoseEstimate estimate) const;
+  /// Lets go of visual poses whose time has come by the laser's clock.
+  void use_waiting(FusionOutput& output);
+  /// Collects it for the alignment (by its own clock) and uses it now, or when odometry has come to its time.
+  void take(const PoseEstimate& estimate, FusionOutput& output);
   void use(const PoseEstimate& estimate, FusionOutput& output);
   void align_if_due(FusionOutput& output);
-  void report(const Alignment& attempt, FusionOutput& output) const;
+  void report(const Alignment& attempt, FusionOutput& output);
+  /// Tells once, and again when it has changed, what lies between the sensors although the configuration says nothing
+  /// does.
+  void warn_of_offsets(const Alignment& attempt, FusionOutput& output);
   /// For how long [s] every half that speaks has called itself lost; nothing while one does not, or none speaks.
   std::optional<double> all_lost_for() const;
+  /// One half has stopped tracking: until the other one, tracking, confirms the fused pose, nobody vouches for it.
+  void take_doubt(const PoseEstimate& estimate);
   /// Every half says it is lost, as after a carry: what was known of the pose is void, until one says where it is.
   void give_up_if_all_are_lost();
   StatusEntry fused_status() const;
@@ -97,10 +109,14 @@ struct Fusion::State {
   std::map<PoseSource, Nanoseconds> last_command;
   std::optional<PoseSource> map_frame;
   std::optional<Nanoseconds> first_visual;
+  std::deque<PoseEstimate> waiting;  ///< visual poses from ahead of odometry by the laser's clock
+  double warned_clock_offset = 0.0;
+  Eigen::Vector2d warned_lever_arm = Eigen::Vector2d::Zero();
   Nanoseconds now = 0;        ///< where the filter stands
   Nanoseconds last_used = 0;  ///< stamp of the last measurement that was used
   bool was_lost = true;
-  bool gave_up = false;  ///< the pose is void because every half said it is lost
+  std::optional<PoseSource> doubted_by;  ///< the half that stopped tracking, until the other one confirms the pose
+  bool gave_up = false;                  ///< the pose is void because every half said it is lost
   std::vector<PublishedPose> published;
   std::vector<ReceivedEstimate> received;
 };
@@ -128,6 +144,7 @@ bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& out
   known->second = estimate.map_epoch;
   keeper.forget(estimate.source);
   bridge.use(std::nullopt);
+  waiting.clear();
   if (map_frame == estimate.source) {
     filter.restart();
     limiter.restart();
@@ -165,10 +182,34 @@ std::optional<UncertainPose> Fusion::State::in_map_frame(const PoseEstimate& est
   return std::nullopt;
 }
 
-void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
+PoseEstimate Fusion::State::by_laser_clock(PoseEstimate estimate) const {
+  if (estimate.source == PoseSource::kVisual && map_frame != PoseSource::kVisual && keeper.accepted()) {
+    estimate.stamp += common::from_seconds(keeper.accepted()->clock_offset);
+  }
+  return estimate;
+}
+
+void Fusion::State::use_waiting(FusionOutput& output) {
+  while (!waiting.empty() && waiting.front().stamp <= now) {
+    const PoseEstimate estimate = waiting.front();
+    waiting.pop_front();
+    use(estimate, output);
+  }
+}
+
+void Fusion::State::take(const PoseEstimate& estimate, FusionOutput& output) {
   choose_map_frame(estimate, output);
   keeper.add(estimate);
   align_if_due(output);
+  const PoseEstimate timed = by_laser_clock(estimate);
+  if (timed.stamp > estimate.stamp && timed.stamp > now) {
+    waiting.push_back(timed);
+  } else {
+    use(timed, output);
+  }
+}
+
+void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
   const auto then = odometry_at(estimate.stamp);
   if (!then) return;
   // After a carry a half that only guesses where it might be must not be the one to say so.
@@ -193,6 +234,7 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
   if (report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled) {
     // A late pose does not undo a newer one; where the clock itself steps back (CARMEN) nothing is late.
     last_used = late ? std::max(last_used, estimate.stamp) : estimate.stamp;
+    if (doubted_by != estimate.source && estimate.state == TrackingState::kTracking) doubted_by.reset();
     if (estimate.source == PoseSource::kLaser) bridge.laser_told(estimate.stamp, *measured, then->T_odom_base);
   }
 }
@@ -204,7 +246,23 @@ void Fusion::State::align_if_due(FusionOutput& output) {
   bridge.use(keeper.accepted());
 }
 
-void Fusion::State::report(const Alignment& attempt, FusionOutput& output) const {
+void Fusion::State::warn_of_offsets(const Alignment& attempt, FusionOutput& output) {
+  if (!attempt.offsets) return;
+  const bool clock_changed =
+      std::abs(attempt.clock_offset - warned_clock_offset) > options.alignment.offsets.smallest_clock_offset;
+  const bool lever_changed =
+      (attempt.lever_arm - warned_lever_arm).norm() > options.alignment.offsets.smallest_lever_arm;
+  if (!clock_changed && !lever_changed) return;
+  warned_clock_offset = attempt.clock_offset;
+  warned_lever_arm = attempt.lever_arm;
+  tell(output, "sensor_offsets",
+       fmt::format(
+           "the poses disagree with stamps and mountings as configured: {}; used: {:.1f} ms, ({:.3f}, {:.3f}) m",
+           describe(*attempt.offsets), 1e3 * attempt.clock_offset, attempt.lever_arm.x(), attempt.lever_arm.y()));
+}
+
+void Fusion::State::report(const Alignment& attempt, FusionOutput& output) {
+  if (attempt.accepted) warn_of_offsets(attempt, output);
   tell(output, attempt.accepted ? "aligned" : "alignment_refused",
        fmt::format("{}: {}; rotation {:.2f} deg, scale {:.4f} x {:.4f}", to_string(attempt.method), attempt.reason,
                    attempt.rotation_deg, attempt.scale.x(), attempt.scale.y()));
@@ -219,6 +277,13 @@ std::optional<double> Fusion::State::all_lost_for() const {
     shortest = std::min(*lost, shortest.value_or(*lost));
   }
   return shortest;
+}
+
+void Fusion::State::take_doubt(const PoseEstimate& estimate) {
+  const SourceMonitor& monitor = monitors.at(estimate.source);
+  const bool tracked = monitor.heard() && monitor.own_state() == TrackingState::kTracking;
+  if (tracked && estimate.state != TrackingState::kTracking) doubted_by = estimate.source;
+  if (doubted_by == estimate.source && estimate.state == TrackingState::kTracking) doubted_by.reset();
 }
 
 void Fusion::State::give_up_if_all_are_lost() {
@@ -247,6 +312,11 @@ StatusEntry Fusion::State::fused_status() const {
   if (all_lost_for()) {
     entry.state = Verdict::kSuspect;
     entry.reasons.emplace_back("every half that speaks says it is lost");
+  } else if (doubted_by && monitors.at(*doubted_by).speaks(now)) {
+    entry.state = Verdict::kSuspect;
+    entry.reasons.push_back(
+        fmt::format("the {} half does not track any more, and the other has not confirmed the pose since",
+                    common::to_string(*doubted_by)));
   }
   const double silence = common::to_seconds(now - last_used);
   const bool confirmed = silence < options.monitor.silent_after;
@@ -276,7 +346,8 @@ void Fusion::State::command_lost_halves(FusionOutput& output) {
   for (const PoseSource target : {PoseSource::kLaser, PoseSource::kVisual}) {
     const SourceMonitor& monitor = monitors.at(target);
     const bool contradicted = monitor.overruled_for(now) >= options.supervision.contradiction_time;
-    const bool in_need = monitor.heard() && (monitor.own_state() == TrackingState::kLost || contradicted);
+    const bool lost = monitor.lost_for(now).value_or(0.0) >= options.supervision.help_after;
+    const bool in_need = monitor.heard() && (lost || contradicted);
     if (!in_need || !monitors.at(other_half(target)).healthy(now)) continue;
     const auto last = last_command.find(target);
     if (last != last_command.end() && common::to_seconds(now - last->second) < options.supervision.command_interval) {
@@ -346,6 +417,7 @@ FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
   if (first) s.start_odometry_at(odometry.pose);
   s.filter.move_to(odometry.pose, 0.0);
   s.now = odometry.stamp;
+  s.use_waiting(output);
   s.give_up_if_all_are_lost();
   s.command_lost_halves(output);
   s.write_status(output);
@@ -363,16 +435,18 @@ FusionOutput Fusion::process(const PoseEstimate& estimate) {
     return output;
   }
   if (s.odometry.empty() && !s.filter.started()) s.now = estimate.stamp;
+  s.use_waiting(output);
   const bool late = estimate.stamp < s.now;
+  s.take_doubt(estimate);
   s.monitors.at(estimate.source).estimated(estimate);
   const auto place = std::find_if(s.published.rbegin(), s.published.rend(),
                                   [&](const PublishedPose& pose) { return pose.stamp < estimate.stamp; });
-  const auto odometry = s.odometry_at(estimate.stamp);
+  const auto odometry = s.odometry_at(s.by_laser_clock(estimate).stamp);
   s.received.push_back({estimate.stamp, estimate.source, estimate.state,
                         odometry ? odometry->T_odom_base : s.filter.T_odom_base(),
                         late ? static_cast<std::size_t>(s.published.rend() - place) : s.published.size()});
   const bool usable = estimate.state != TrackingState::kLost;
-  if (usable) s.use(estimate, output);
+  if (usable) s.take(estimate, output);
   s.give_up_if_all_are_lost();
   s.command_lost_halves(output);
   s.write_status(output);
@@ -388,7 +462,7 @@ FusionOutput Fusion::align_now() {
 }
 
 FusionResult Fusion::finish(const common::Trajectory2& laser_final, const common::Trajectory2& visual_final) {
-  const State& s = *state_;
+  State& s = *state_;
   const auto laser = anchors_of(laser_final, PoseSource::kLaser, s.received);
   const auto visual = anchors_of(visual_final, PoseSource::kVisual, s.received);
   FusionResult result;
@@ -399,7 +473,10 @@ FusionResult Fusion::finish(const common::Trajectory2& laser_final, const common
     anchors = visual;
   } else if (result.alignment.accepted) {
     std::vector<PathAnchor> mapped = visual;
-    for (PathAnchor& anchor : mapped) anchor.T_map_base = result.alignment.to_laser(anchor.T_map_base);
+    for (PathAnchor& anchor : mapped) {
+      anchor.stamp += common::from_seconds(result.alignment.clock_offset);
+      anchor.T_map_base = result.alignment.to_laser(anchor.T_map_base);
+    }
     anchors = fill_gaps(laser, mapped, common::from_seconds(s.options.monitor.silent_after));
   }
   result.fused_final = smooth_path(s.published, anchors);

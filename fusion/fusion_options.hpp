@@ -18,6 +18,7 @@ struct SupervisionOptions {
   double lost_heading_sigma = 0.35;
   double both_lost_after = 0.5;
   double visual_only_after = 1.0;
+  double help_after = 1.0;
   double contradiction_time = 5.0;
   double command_interval = 5.0;
   double status_interval = 1.0;
@@ -33,6 +34,10 @@ struct SupervisionOptions {
         "SUSPECT.");
     visit.real("visual_only_after", visual_only_after, {0.0, 60.0}, "s",
                "Without a word of a laser for this long the visual map frame becomes the map frame.");
+    visit.real(
+        "help_after", help_after, {0.0, 60.0}, "s",
+        "A half that calls itself lost is told its pose after this time, in which the other one has to track on: "
+        "after a carry it may take a moment longer to notice.");
     visit.real("contradiction_time", contradiction_time, {0.1, 600.0}, "s",
                "A half that still claims to track is told its pose after the other half has overruled it this long.");
     visit.real("command_interval", command_interval, {0.1, 600.0}, "s", "A half is told its pose at most this often.");

@@ -14,7 +14,7 @@ constexpr double kSuspectBelow = 0.4;
 }  // namespace
 
 bool SourceMonitor::healthy(common::Nanoseconds now) const {
-  return speaks(now) && own_state_ != common::TrackingState::kLost && gated_in_a_row_ == 0;
+  return speaks(now) && own_state_ == common::TrackingState::kTracking && gated_in_a_row_ == 0;
 }
 
 bool SourceMonitor::speaks(common::Nanoseconds now) const {

@@ -39,7 +39,7 @@ class SourceMonitor {
   std::optional<double> lost_for(common::Nanoseconds now) const;
   /// Whether it still speaks.
   bool speaks(common::Nanoseconds now) const;
-  /// Whether its last pose was used and it still speaks.
+  /// Whether it still speaks, calls itself tracking, and its last pose was used.
   bool healthy(common::Nanoseconds now) const;
 
   /// It made an estimate; what the filter did with it follows in `measured`, if it was usable at all.

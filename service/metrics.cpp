@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/angle.hpp"
 #include "service/update_times.hpp"
 
 namespace slamfuse::service {
@@ -40,6 +41,18 @@ Json events_metrics(const std::vector<common::Event>& events) {
   return list;
 }
 
+Json offsets_metrics(const fusion::Alignment& alignment) {
+  const fusion::SensorOffsets& found = *alignment.offsets;
+  return {{"clock_offset_s", number(found.clock_offset)},
+          {"clock_sigma_s", number(found.clock_sigma)},
+          {"clock_used_s", number(alignment.clock_offset)},
+          {"lever_arm_m", {number(found.lever_arm.x()), number(found.lever_arm.y())}},
+          {"lever_sigma_m", {number(found.lever_sigma.x()), number(found.lever_sigma.y())}},
+          {"lever_used_m", {number(alignment.lever_arm.x()), number(alignment.lever_arm.y())}},
+          {"yaw_deg", number(common::to_degrees(found.yaw))},
+          {"yaw_sigma_deg", number(common::to_degrees(found.yaw_sigma))}};
+}
+
 }  // namespace
 
 const char* program_version() { return SLAMFUSE_VERSION; }
@@ -47,15 +60,17 @@ const char* program_version() { return SLAMFUSE_VERSION; }
 std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 Json alignment_metrics(const fusion::Alignment& alignment) {
-  return {{"verdict", alignment.accepted ? "accepted" : "refused"},
-          {"reason", alignment.reason},
-          {"method", to_string(alignment.method)},
-          {"scale", {number(alignment.scale.x()), number(alignment.scale.y())}},
-          {"rotation_deg", number(alignment.rotation_deg)},
-          {"rmse_m", number(alignment.rmse)},
-          {"heldout_rmse_m", number(alignment.heldout_rmse)},
-          {"pairs", alignment.pairs},
-          {"runner_up_ratio", number(alignment.runner_up_ratio)}};
+  Json metrics = {{"verdict", alignment.accepted ? "accepted" : "refused"},
+                  {"reason", alignment.reason},
+                  {"method", to_string(alignment.method)},
+                  {"scale", {number(alignment.scale.x()), number(alignment.scale.y())}},
+                  {"rotation_deg", number(alignment.rotation_deg)},
+                  {"rmse_m", number(alignment.rmse)},
+                  {"heldout_rmse_m", number(alignment.heldout_rmse)},
+                  {"pairs", alignment.pairs},
+                  {"runner_up_ratio", number(alignment.runner_up_ratio)}};
+  if (alignment.offsets) metrics["sensor_offsets"] = offsets_metrics(alignment);
+  return metrics;
 }
 
 Json accuracy_metrics(const common::TrajectoryAccuracy& accuracy) {

@@ -250,6 +250,9 @@ TEST(Fusion, AJumpOfOneHalfIsOverruledByTheOtherAndTheHalfIsToldItsPose) {
   EXPECT_TRUE(suspect);
 }
 
+/// The step at which a half that is lost from step 800 on is told its pose, one second later.
+constexpr int kHelped = 820;
+
 TEST(Fusion, TheVisualHalfCarriesOnWhereTheLaserIsLostAndTellsItThePose) {
   const auto fusion = make_fusion();
   const auto lost = [](int step, common::PoseEstimate& laser) {
@@ -267,7 +270,7 @@ TEST(Fusion, TheVisualHalfCarriesOnWhereTheLaserIsLostAndTellsItThePose) {
   EXPECT_EQ(run.steps.back(), 1599);
   ASSERT_FALSE(run.commands.empty());
   const auto& command = std::get<common::SetPose>(run.commands.front().command);
-  EXPECT_LT((command.pose.translation() - simulation.truth(800).translation()).norm(), 0.3);
+  EXPECT_LT((command.pose.translation() - simulation.truth(kHelped).translation()).norm(), 0.3);
 }
 
 TEST(Fusion, ALostVisualHalfIsToldItsPoseInItsOwnFrame) {
@@ -283,7 +286,8 @@ TEST(Fusion, ALostVisualHalfIsToldItsPoseInItsOwnFrame) {
   ASSERT_FALSE(run.commands.empty());
   EXPECT_EQ(run.commands.front().target, PoseSource::kVisual);
   const auto& command = std::get<common::SetPose>(run.commands.front().command);
-  const Eigen::Vector2d expected = SimulatedDrive::laser_from_visual().inverse() * simulation.truth(800).translation();
+  const Eigen::Vector2d expected =
+      SimulatedDrive::laser_from_visual().inverse() * simulation.truth(kHelped).translation();
   EXPECT_LT((command.pose.translation() - expected).norm(), 0.1);
 }
 
@@ -439,6 +443,59 @@ TEST(Fusion, PosesThatArriveLateAreUsedAtTheirOwnStamps) {
   for (std::size_t i = 1; i < run.poses.size(); ++i) {
     EXPECT_GT(run.poses[i].estimate.stamp, run.poses[i - 1].estimate.stamp);
   }
+}
+
+TEST(Fusion, AClockOffsetOfTheVisualHalfIsFoundToldAndUndone) {
+  for (const double offset : {-0.3, 0.2}) {
+    const auto fusion = make_fusion();
+    const auto falsified = [&](int, common::PoseEstimate& visual) {
+      visual.stamp += common::from_seconds(offset);
+      return true;
+    };
+
+    const DriveLog run =
+        drive(*fusion, 2000, {.laser = [](int step, auto&) { return step < 1700; }, .visual = falsified});
+
+    ASSERT_TRUE(fusion->alignment().has_value());
+    EXPECT_NEAR(fusion->alignment()->clock_offset, -offset, 0.03);
+    EXPECT_TRUE(run.has_event("sensor_offsets"));
+    EXPECT_LT(run.rmse(1720, 2000), 0.15) << "with the visual half alone";
+    for (std::size_t i = 1; i < run.poses.size(); ++i) {
+      ASSERT_GE(run.poses[i].estimate.stamp, run.poses[i - 1].estimate.stamp);
+    }
+  }
+}
+
+TEST(Fusion, OneHalfsDoubtMakesThePoseSuspectUntilTheOtherConfirmsIt) {
+  const auto fusion = make_fusion();
+  const auto doubts = [](int step, common::PoseEstimate& visual) {
+    if (step >= 801) visual.state = common::TrackingState::kUncertain;
+    return true;
+  };
+
+  const DriveLog run =
+      drive(*fusion, 1000, {.laser = [](int step, auto&) { return step < 804 || step >= 812; }, .visual = doubts});
+
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    // The visual pose of step 805 doubts, the laser's of step 812 confirms.
+    if (run.steps[i] < 600 || run.steps[i] == 805 || run.steps[i] == 812) continue;
+    const bool suspect = run.poses[i].estimate.state == common::TrackingState::kUncertain;
+    EXPECT_EQ(suspect, run.steps[i] > 805 && run.steps[i] < 812) << run.steps[i];
+  }
+}
+
+TEST(Fusion, AHalfThatDoubtsItselfDoesNotTellALostOneWhereItIs) {
+  const auto fusion = make_fusion();
+  const auto lost = [](int step, common::PoseEstimate& laser) {
+    if (step >= 800) laser.state = common::TrackingState::kLost;
+    return true;
+  };
+  const auto uncertain = [](int step, common::PoseEstimate& visual) {
+    if (step >= 800) visual.state = common::TrackingState::kUncertain;
+    return true;
+  };
+
+  EXPECT_TRUE(drive(*fusion, 900, {.laser = lost, .visual = uncertain}).commands.empty());
 }
 
 TEST(Fusion, StampsThatStepBackAsInACarmenLogWorkWithTheLaserAlone) {
