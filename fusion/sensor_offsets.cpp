@@ -113,9 +113,9 @@ std::optional<Moment> moment_of(const Trajectory2& laser, const common::StampedP
   const Eigen::Vector2d lever = at->rotation() * Eigen::Vector2d(x[kLeverX], x[kLeverY]);
   Moment moment;
   moment.jacobian.setZero();
-  moment.residual.head<2>() = at->translation() + lever -
-                              Eigen::Vector2d(x[kA] * p.x() - x[kB] * p.y() + x[kTx],
-                                              x[kB] * p.x() + x[kA] * p.y() + x[kTy]);
+  moment.residual.head<2>() =
+      at->translation() + lever -
+      Eigen::Vector2d(x[kA] * p.x() - x[kB] * p.y() + x[kTx], x[kB] * p.x() + x[kA] * p.y() + x[kTy]);
   moment.jacobian.block<2, 2>(0, kA) << -p.x(), p.y(), -p.y(), -p.x();
   moment.jacobian.block<2, 2>(0, kTx) = -Eigen::Matrix2d::Identity();
   moment.jacobian.block<2, 2>(0, kLeverX) = at->rotation();
@@ -250,8 +250,7 @@ std::optional<SensorOffsets> estimate_sensor_offsets(const Trajectory2& laser, c
   const Trajectory2 sorted_laser = common::sorted_by_stamp(laser);
   const Trajectory2 sorted_visual = common::sorted_by_stamp(visual);
   const Trajectory2 moments = thinned(sorted_visual, static_cast<std::size_t>(options.samples));
-  const auto clock =
-      search_clock_offset(sorted_laser, sorted_visual, moments, max_gap, options.most_clock_offset);
+  const auto clock = search_clock_offset(sorted_laser, sorted_visual, moments, max_gap, options.most_clock_offset);
   if (!clock) return std::nullopt;
   const auto begin = start(sorted_laser, moments, *clock, max_gap);
   if (!begin) return std::nullopt;
@@ -306,7 +305,8 @@ std::optional<SensorOffsets> significant(const SensorOffsets& offsets, const Sen
 
 std::string describe(const SensorOffsets& offsets) {
   return fmt::format(
-      "visual stamps are {:.1f} +- {:.1f} ms early, the visual's tracked point is at ({:.3f} +- {:.3f}, {:.3f} +- {:.3f}) "
+      "visual stamps are {:.1f} +- {:.1f} ms early, the visual's tracked point is at ({:.3f} +- {:.3f}, {:.3f} +- "
+      "{:.3f}) "
       "m in the laser's body frame, turned by {:.2f} +- {:.2f} deg",
       1e3 * offsets.clock_offset, 1e3 * offsets.clock_sigma, offsets.lever_arm.x(), offsets.lever_sigma.x(),
       offsets.lever_arm.y(), offsets.lever_sigma.y(), common::to_degrees(offsets.yaw),

@@ -20,9 +20,10 @@ struct SensorOffsetOptions {
   int samples = 600;
 
   void describe(common::OptionVisitor& visit) {
-    visit.flag("estimate", estimate,
-               "Whether the difference of the two sensors' clocks and the lever arm between the tracked points are looked "
-               "for, and used where the pairs clearly show them.");
+    visit.flag(
+        "estimate", estimate,
+        "Whether the difference of the two sensors' clocks and the lever arm between the tracked points are looked "
+        "for, and used where the pairs clearly show them.");
     visit.real("most_clock_offset", most_clock_offset, {0.0, 5.0}, "s", "Clock offsets are looked for up to this.");
     visit.real("significance", significance, {1.0, 20.0}, "",
                "An offset is used only if it is this many of its standard deviations away from zero.");
@@ -36,12 +37,12 @@ struct SensorOffsetOptions {
 struct SensorOffsets {
   /// Laser stamps minus visual stamps of one moment [s]: what has to be added to a visual stamp.
   double clock_offset = 0.0;
-  double clock_sigma = 0.0;                             ///< its standard deviation [s]
-  Eigen::Vector2d lever_arm = Eigen::Vector2d::Zero();  ///< the visual's tracked point in the laser's body frame [m]
+  double clock_sigma = 0.0;                               ///< its standard deviation [s]
+  Eigen::Vector2d lever_arm = Eigen::Vector2d::Zero();    ///< the visual's tracked point in the laser's body frame [m]
   Eigen::Vector2d lever_sigma = Eigen::Vector2d::Zero();  ///< standard deviations [m]
-  double yaw = 0.0;        ///< of the visual's body in the laser's body frame [rad]
-  double yaw_sigma = 0.0;  ///< [rad]
-  double rmse = 0.0;       ///< of the positions with all of them estimated, over the inliers [m]
+  double yaw = 0.0;                                       ///< of the visual's body in the laser's body frame [rad]
+  double yaw_sigma = 0.0;                                 ///< [rad]
+  double rmse = 0.0;  ///< of the positions with all of them estimated, over the inliers [m]
 };
 
 /// Estimates clock offset, lever arm and yaw together with the similarity between the two map frames. The clock offset

@@ -48,6 +48,8 @@ std::vector<Variant> variants() {
     list.push_back({to_string(method), options});
   }
   const AlignmentOptions seed = list.back().options;
+  list.push_back({"auto, no clock offset and lever arm", {}});
+  list.back().options.offsets.estimate = false;
   list.push_back({"seed004, no curvature filter", seed});
   list.back().options.seed004.use_curvature_filter = false;
   list.push_back({"seed004, no pyramid filter", seed});

@@ -43,8 +43,8 @@ Drive make_drive(const Between& between, double position_noise, double heading_n
     const common::Pose2 seen =
         noisy(pose.pose * common::Pose2{between.lever_arm.x(), between.lever_arm.y(), between.yaw});
     const Eigen::Vector2d position = map.inverse() * seen.translation();
-    drive.visual.push_back({pose.stamp - common::from_seconds(between.clock_offset),
-                            {position.x(), position.y(), seen.theta - rotation}});
+    drive.visual.push_back(
+        {pose.stamp - common::from_seconds(between.clock_offset), {position.x(), position.y(), seen.theta - rotation}});
   }
   return drive;
 }
