@@ -25,6 +25,8 @@ using common::Trajectory2;
 constexpr double kTurnTime = 0.5;
 /// Step of the search for the clock offset [s]; Gauss-Newton does the rest.
 constexpr double kSearchStep = 0.02;
+/// So many turns are compared in the search.
+constexpr std::size_t kMostTurns = 250;
 /// Fewer moments in common fix nothing.
 constexpr std::size_t kFewestMoments = 30;
 /// Robust standard deviation from the median of absolute values.
@@ -51,20 +53,28 @@ Trajectory2 thinned(const Trajectory2& trajectory, std::size_t count) {
   return thin;
 }
 
-/// How badly the turns fit when `offset` is added to the visual stamps: a truncated mean of absolute differences.
-double turn_misfit(const Trajectory2& laser, const Trajectory2& visual, const Trajectory2& moments, double offset,
-                   Nanoseconds max_gap) {
+/// How far the body turned over kTurnTime about a stamp.
+std::optional<double> turn_at(const Trajectory2& trajectory, Nanoseconds stamp, Nanoseconds max_gap) {
   const Nanoseconds half = common::from_seconds(kTurnTime / 2.0);
-  const Nanoseconds shift = common::from_seconds(offset);
+  const auto before = common::pose_at(trajectory, stamp - half, max_gap);
+  const auto after = common::pose_at(trajectory, stamp + half, max_gap);
+  if (!before || !after) return std::nullopt;
+  return angle_difference(after->theta, before->theta);
+}
+
+struct Turn {
+  Nanoseconds stamp = 0;
+  double angle = 0.0;  ///< [rad]
+};
+
+/// How badly the laser's turns fit when `offset` is added to the visual stamps: a truncated mean of absolute
+/// differences.
+double turn_misfit(const Trajectory2& laser, const std::vector<Turn>& turns, double offset, Nanoseconds max_gap) {
   std::vector<double> misfits;
-  misfits.reserve(moments.size());
-  for (const auto& moment : moments) {
-    const auto l0 = common::pose_at(laser, moment.stamp + shift - half, max_gap);
-    const auto l1 = common::pose_at(laser, moment.stamp + shift + half, max_gap);
-    const auto v0 = common::pose_at(visual, moment.stamp - half, max_gap);
-    const auto v1 = common::pose_at(visual, moment.stamp + half, max_gap);
-    if (!l0 || !l1 || !v0 || !v1) continue;
-    misfits.push_back(std::abs(angle_difference(l1->theta, l0->theta) - angle_difference(v1->theta, v0->theta)));
+  misfits.reserve(turns.size());
+  for (const Turn& turn : turns) {
+    const auto angle = turn_at(laser, turn.stamp + common::from_seconds(offset), max_gap);
+    if (angle) misfits.push_back(std::abs(angle_difference(*angle, turn.angle)));
   }
   if (misfits.size() < kFewestMoments) return std::numeric_limits<double>::infinity();
   // A tenth may be outliers, e.g. steps of one map.
@@ -77,12 +87,16 @@ double turn_misfit(const Trajectory2& laser, const Trajectory2& visual, const Tr
 
 std::optional<double> search_clock_offset(const Trajectory2& laser, const Trajectory2& visual,
                                           const Trajectory2& moments, Nanoseconds max_gap, double most) {
+  std::vector<Turn> turns;
+  for (const auto& moment : thinned(moments, kMostTurns)) {
+    if (const auto angle = turn_at(visual, moment.stamp, max_gap)) turns.push_back({moment.stamp, *angle});
+  }
   const int steps = static_cast<int>(std::ceil(most / kSearchStep));
   std::optional<double> best;
   double smallest = std::numeric_limits<double>::infinity();
   for (int n = -steps; n <= steps; ++n) {
     const double offset = n * kSearchStep;
-    const double misfit = turn_misfit(laser, visual, moments, offset, max_gap);
+    const double misfit = turn_misfit(laser, turns, offset, max_gap);
     if (misfit < smallest) {
       smallest = misfit;
       best = offset;

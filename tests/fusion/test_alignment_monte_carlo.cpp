@@ -30,18 +30,15 @@ common::Trajectory2 round_trip(std::size_t count) {
 struct Case {
   std::string name;
   common::Trajectory2 laser;
-  double noise = 0.02;     ///< [m]
-  double outliers = 0.0;   ///< share
-  double overlap = 1.0;    ///< part of the drive that the visual half saw
+  double noise = 0.02;    ///< [m]
+  double outliers = 0.0;  ///< share
+  double overlap = 1.0;   ///< part of the drive that the visual half saw
 };
 
 std::vector<Case> cases() {
-  return {{"little noise", flat_path(300), 0.005, 0.0, 1.0},
-          {"much noise", flat_path(300), 0.05, 0.0, 1.0},
-          {"20 % outliers", flat_path(300), 0.02, 0.2, 1.0},
-          {"40 % outliers", flat_path(400), 0.02, 0.4, 1.0},
-          {"half of the drive", flat_path(400), 0.02, 0.1, 0.5},
-          {"another path", round_trip(400), 0.02, 0.1, 1.0}};
+  return {{"little noise", flat_path(300), 0.005, 0.0, 1.0},     {"much noise", flat_path(300), 0.05, 0.0, 1.0},
+          {"20 % outliers", flat_path(300), 0.02, 0.2, 1.0},     {"40 % outliers", flat_path(400), 0.02, 0.4, 1.0},
+          {"half of the drive", flat_path(400), 0.02, 0.1, 0.5}, {"another path", round_trip(400), 0.02, 0.1, 1.0}};
 }
 
 TEST(AlignmentMonteCarlo, TheTrueMapIsInsideTheStated95PercentEllipsoidIn93To97PercentOfTheRuns) {
@@ -61,10 +58,9 @@ TEST(AlignmentMonteCarlo, TheTrueMapIsInsideTheStated95PercentEllipsoidIn93To97P
       const Alignment alignment = align_trajectories(drive.laser, visual, options);
 
       ASSERT_TRUE(alignment.accepted) << drive.name << ": " << alignment.reason;
-      const Eigen::Vector4d error(alignment.map.linear(0, 0) - truth.linear(0, 0),
-                                  alignment.map.linear(1, 0) - truth.linear(1, 0),
-                                  alignment.map.translation.x() - truth.translation.x(),
-                                  alignment.map.translation.y() - truth.translation.y());
+      const Eigen::Vector4d error(
+          alignment.map.linear(0, 0) - truth.linear(0, 0), alignment.map.linear(1, 0) - truth.linear(1, 0),
+          alignment.map.translation.x() - truth.translation.x(), alignment.map.translation.y() - truth.translation.y());
       const std::vector<int> places{0, 2, 4, 5};
       const Eigen::Matrix4d covariance = alignment.covariance(places, places);
       if (error.dot(covariance.ldlt().solve(error)) < kChiSquare95Of4) ++inside_here;
