@@ -20,8 +20,8 @@ constexpr std::size_t kStep = 1U << 20;  // bytes by which the result grows
 
 Error no_memory() { return {ErrorKind::kInvalidInput, "no memory to decompress"}; }
 
-/// Calls `step(place, room, stored)` until `size` bytes have come. It writes at most `room` bytes, moves `stored` on and
-/// gives how many it wrote, nothing where the data are damaged.
+/// Calls `step(place, room, stored)` until `size` bytes have come. It writes at most `room` bytes, moves `stored` on
+/// and gives how many it wrote, nothing where the data are damaged.
 template <class Step>
 Result<Bytes> grow(const char* name, ByteView stored, std::size_t size, const Step& step) {
   Bytes bytes;
@@ -88,7 +88,8 @@ Result<Bytes> inflate(const std::string& compression, ByteView stored, std::size
   if (!compression.empty() && compression != "none") {
     return invalid_input("compression '" + compression + "' (known: none, bz2, lz4, zstd)");
   }
-  if (stored.size() != size) return invalid_input(fmt::format("{} bytes are not the {} it tells of", stored.size(), size));
+  if (stored.size() != size)
+    return invalid_input(fmt::format("{} bytes are not the {} it tells of", stored.size(), size));
   return Bytes(stored.begin(), stored.end());
 }
 

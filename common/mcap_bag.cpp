@@ -94,7 +94,8 @@ class McapBag final : public IndexedBag {
       if (auto done = take_in(head.operation, *record, 0); !done) return done;
     }
     ended_ = head.operation == kDataEnd || head.operation == kFooter;
-    if (head.size > left) return invalid_input(fmt::format("{} bytes, but the file ends at {}", head.size, file_size()));
+    if (head.size > left)
+      return invalid_input(fmt::format("{} bytes, but the file ends at {}", head.size, file_size()));
     position_ = content_at + head.size;
     return {};
   }
@@ -121,8 +122,8 @@ class McapBag final : public IndexedBag {
     add_block({at + stored_at, static_cast<std::size_t>(stored_size),
                static_cast<std::size_t>(as_is ? stored_size : content_size), compression});
     const auto records = content();
-    const bool right = !records || checksum == 0 || cut ||
-                       crc32_z(0, (*records)->data(), (*records)->size()) == checksum;
+    const bool right =
+        !records || checksum == 0 || cut || crc32_z(0, (*records)->data(), (*records)->size()) == checksum;
     const auto done = !records ? Result<void>(tl::unexpected(records.error()))
                       : !right ? invalid_input("its checksum does not fit")
                                : index_content(**records);
@@ -181,7 +182,7 @@ class McapBag final : public IndexedBag {
   std::uint64_t position_ = 0;
   bool ended_ = false;
   std::optional<RosEncoding> encoding_;
-  std::map<std::uint16_t, std::string> schemas_;                 // names of types
+  std::map<std::uint16_t, std::string> schemas_;                  // names of types
   std::map<std::uint16_t, std::optional<std::size_t>> channels_;  // topics, none where they cannot be read
 };
 
