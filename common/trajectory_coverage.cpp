@@ -82,4 +82,10 @@ double trajectory_coverage(const Trajectory2& estimate, const Trajectory2& refer
   return static_cast<double>(overlap(covered, known)) / static_cast<double>(total);
 }
 
+double time_coverage(const Trajectory2& estimate, Nanoseconds first, Nanoseconds last) {
+  const std::vector<Interval> covered = covered_by(estimate);
+  if (last <= first) return share_of_poses_covered(covered, {{first, {}}});
+  return static_cast<double>(overlap(covered, {{first, last}})) / static_cast<double>(last - first);
+}
+
 }  // namespace slamfuse::common

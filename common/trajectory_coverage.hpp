@@ -19,4 +19,8 @@ bool is_sparse(const Trajectory2& reference);
 /// them. `reference` is sorted by stamp; `estimate` holds no pose where the estimator was lost and may be in any order.
 double trajectory_coverage(const Trajectory2& estimate, const Trajectory2& reference);
 
+/// The share, 0 to 1, of the time from `first` to `last` that lies within 0.5 s after a pose of the estimate: coverage
+/// where there is no reference.
+double time_coverage(const Trajectory2& estimate, Nanoseconds first, Nanoseconds last);
+
 }  // namespace slamfuse::common

@@ -60,9 +60,10 @@ struct Input {
 struct Heard {
   std::optional<common::RosLaserScan> scan;
   std::optional<common::RosCameraInfo> camera;
-  std::string frame;     // of the sensor, or of the odometry's child
-  bool message = false;  // one with data
-  std::string problem;   // why what was heard cannot be used
+  std::string frame;                         // of the sensor, or of the odometry's child
+  bool message = false;                      // one with data
+  std::optional<common::Nanoseconds> stamp;  // of the last that can be used
+  std::string problem;                       // why what was heard cannot be used
 };
 
 std::optional<SensorKind> kind_of(const std::string& sensor) {
@@ -296,17 +297,20 @@ class LiveSource::Impl {
       const auto usable = read ? common::laser_calibration_of(*read, {}) : tl::unexpected(read.error());
       if (!usable) return void(heard.problem = usable.error().message);
       heard.frame = read->header.frame;
+      heard.stamp = read->header.stamp;
       heard.scan = *std::move(read);
     } else if (const auto* info = std::get_if<idl::Message<idl::CameraInfo>>(&arrival.payload)) {
       auto read = from_ros(**info);
       const auto usable = read ? common::camera_calibration_of(*read, {}) : tl::unexpected(read.error());
       if (!usable) return void(heard.problem = usable.error().message);
       heard.frame = read->header.frame;
+      heard.stamp = read->header.stamp;
       heard.camera = *std::move(read);
     } else if (const auto* odometry = std::get_if<idl::Message<idl::Odometry>>(&arrival.payload)) {
       const auto read = from_ros(**odometry);
       if (!read) return void(heard.problem = read.error().message);
       heard.frame = read->child_frame;
+      heard.stamp = read->header.stamp;
       heard.message = true;
     } else {
       heard.message = true;
@@ -377,6 +381,11 @@ class LiveSource::Impl {
       } else {
         T_child_base_[sensor] = common::to_pose2(mounting(sensor, options_.base_frame, {}, info, heard.frame));
       }
+    }
+    last_stamp_ = 0;
+    // What is rejected before the first good message still happened about then, not in 1970.
+    for (const auto& [sensor, heard] : heard_) {
+      if (heard.stamp) last_stamp_ = std::max(last_stamp_, *heard.stamp);
     }
     const std::lock_guard lock(mutex_);
     info_ = std::move(info);

@@ -17,15 +17,6 @@ common::Trajectory2 between(const common::Trajectory2& trajectory, common::Nanos
   return part;
 }
 
-/// Stamps without holes from first to last: what coverage refers to where there is no truth.
-common::Trajectory2 clock_ticks(common::Nanoseconds first, common::Nanoseconds last) {
-  common::Trajectory2 ticks;
-  for (common::Nanoseconds stamp = first; stamp <= last; stamp += common::kReferenceHole / 2) {
-    ticks.push_back({stamp, {}});
-  }
-  return ticks;
-}
-
 }  // namespace
 
 common::Result<void> judge(const RunRequest& request, const std::set<std::string>& free_scale, RunSummary& summary) {
@@ -34,11 +25,15 @@ common::Result<void> judge(const RunRequest& request, const std::set<std::string
   if (!truth) return tl::unexpected(truth.error());
   summary.truth = between(common::sorted_by_stamp(*truth), summary.first_stamp, summary.last_stamp);
 
-  const auto time = summary.truth.empty() ? clock_ticks(summary.first_stamp, summary.last_stamp) : summary.truth;
   for (const auto& [source, counters] : summary.counters) {
     const auto trajectory = summary.log.trajectories.find(source);
-    summary.coverage[source] =
-        trajectory == summary.log.trajectories.end() ? 0.0 : common::trajectory_coverage(trajectory->second, time);
+    if (trajectory == summary.log.trajectories.end()) {
+      summary.coverage[source] = 0.0;
+    } else if (summary.truth.empty()) {
+      summary.coverage[source] = common::time_coverage(trajectory->second, summary.first_stamp, summary.last_stamp);
+    } else {
+      summary.coverage[source] = common::trajectory_coverage(trajectory->second, summary.truth);
+    }
   }
   if (summary.truth.empty()) return {};
   for (const auto& [name, trajectory] : summary.trajectories) {

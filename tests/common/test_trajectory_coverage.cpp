@@ -54,6 +54,13 @@ TEST(TrajectoryCoverage, CountsThePosesOfASparseReference) {
   EXPECT_DOUBLE_EQ(trajectory_coverage(estimate, every(2000, 0, 6000)), 0.5);
 }
 
+TEST(TimeCoverage, CountsHalfASecondAfterEachPoseHoweverLongTheTime) {
+  EXPECT_DOUBLE_EQ(time_coverage(every(1000, 0, 9000), 0, 10000 * kMillisecond), 0.5);
+  EXPECT_NEAR(time_coverage(every(1000, 0, 9000), 0, 2000000000 * kNanosecondsPerSecond), 0.0, 1e-6);
+  EXPECT_EQ(time_coverage(every(1000, 0, 9000), 0, 0), 1.0) << "one instant";
+  EXPECT_EQ(time_coverage({}, 0, 1000 * kMillisecond), 0.0);
+}
+
 TEST(TrajectoryCoverage, IsZeroWithoutEstimateOrReference) {
   EXPECT_EQ(trajectory_coverage({}, every(20, 0, 1000)), 0.0);
   EXPECT_EQ(trajectory_coverage(every(20, 0, 1000), {}), 0.0);
