@@ -109,7 +109,7 @@ TEST(SensorOffsets, OnlyWhatIsClearIsUsed) {
   const auto used = significant(*found, {});
 
   ASSERT_TRUE(used.has_value());
-  EXPECT_LT(used->clock_sigma, 0.01);
+  EXPECT_LT(used->clock_sigma, 0.2 / 4.0);
   EXPECT_NEAR(used->clock_offset, 0.2, 4.0 * used->clock_sigma);
   EXPECT_EQ(used->lever_arm, Eigen::Vector2d::Zero());
   const Drive none = make_drive({}, 0.02, 0.02, 7);
