@@ -14,6 +14,7 @@
 #include "common/angle.hpp"
 #include "fusion/heldout_split.hpp"
 #include "fusion/robust_fit.hpp"
+#include "fusion/robust_statistics.hpp"
 #include "fusion/seed004.hpp"
 
 namespace slamfuse::fusion {
@@ -112,12 +113,6 @@ Spread spread_of(const std::vector<PosePair>& pairs, const std::vector<bool>& tr
   }
   const Eigen::Vector2d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(moments).eigenvalues();
   return {std::sqrt(std::max(variances[1], 0.0)), std::sqrt(std::max(variances[0], 0.0))};
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The turn from visual to laser headings: circular mean, then the median of what remains.
@@ -243,15 +238,6 @@ std::vector<PosePair> pairs_of(const common::Trajectory2& laser, const common::T
   return pairs;
 }
 
-/// At most `count` pairs, evenly spread: neighbours share their errors, more of them tell nothing new.
-std::vector<PosePair> thinned(std::vector<PosePair> pairs, std::size_t count) {
-  if (pairs.size() <= count) return pairs;
-  std::vector<PosePair> thin;
-  thin.reserve(count);
-  for (std::size_t n = 0; n < count; ++n) thin.push_back(pairs[n * pairs.size() / count]);
-  return thin;
-}
-
 Alignment align_as_told(const common::Trajectory2& laser, const common::Trajectory2& visual,
                         const AlignmentOptions& options, const Offsets& offsets) {
   Alignment nothing;
@@ -276,7 +262,7 @@ Alignment align_as_told(const common::Trajectory2& laser, const common::Trajecto
     return refuse(nothing, fmt::format("the path is too short: {:.3f} m, needed {:.3f} m", path, options.min_path));
   }
   const std::vector<PosePair> pairs =
-      thinned(without_standstill(all_pairs, options.pairing), static_cast<std::size_t>(options.most_pairs));
+      evenly_spread(without_standstill(all_pairs, options.pairing), static_cast<std::size_t>(options.most_pairs));
   nothing.pairs = pairs.size();
   if (pairs.size() < needed) {
     return refuse(nothing, fmt::format("too few pairs where the robot moved: {}, needed {}", pairs.size(), needed));

@@ -8,6 +8,7 @@
 
 namespace slamfuse::fusion {
 
+/// How fast the two maps may come to differ along the drive.
 struct BendOptions {
   double length = 5.0;
 

@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "common/angle.hpp"
+#include "fusion/robust_statistics.hpp"
 
 namespace slamfuse::fusion {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 constexpr double kQuantile = 0.4;
 /// That quantile of a Rayleigh distribution [standard deviations of one coordinate]: sqrt(-2 ln(1 - kQuantile)).
 constexpr double kRayleighQuantile = 1.0107676525947897;
-/// Tukey's constant for 95 % efficiency on normal residuals [standard deviations].
-constexpr double kTukeyConstant = 4.685;
 /// Noise below this part of the path's extent is rounding.
 constexpr double kSmallestRelativeSigma = 1e-9;
 /// A sample whose visual points lie closer than this part of the extent, or whose triangle is thinner, fixes nothing.
@@ -38,18 +37,16 @@ struct CentredPaths {
   Points visual;
   Eigen::Vector2d laser_centre = Eigen::Vector2d::Zero();
   Eigen::Vector2d visual_centre = Eigen::Vector2d::Zero();
-  double laser_spread = 0.0;   ///< root mean square distance from the centre
+  double laser_spread = 0.0;   ///< median distance from the centre
   double visual_spread = 0.0;  ///< the same
 };
 
 Eigen::Vector2d median_point(const Points& points) {
   std::vector<double> values(points.size());
   Eigen::Vector2d centre;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   for (int axis = 0; axis < 2; ++axis) {
     for (std::size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
-    std::nth_element(values.begin(), middle, values.end());
-    centre[axis] = *middle;
+    centre[axis] = median(values);
   }
   return centre;
 }
@@ -57,9 +54,7 @@ Eigen::Vector2d median_point(const Points& points) {
 double median_distance(const Points& points) {
   std::vector<double> values(points.size());
   std::transform(points.begin(), points.end(), values.begin(), [](const Eigen::Vector2d& p) { return p.norm(); });
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median(std::move(values));
 }
 
 CentredPaths centre(const std::vector<PosePair>& pairs) {
@@ -132,15 +127,9 @@ std::vector<PlanarAffine> random_hypotheses(const CentredPaths& paths, RobustMod
 
 /// The paths thinned evenly to at most `count` points.
 CentredPaths thin(const CentredPaths& paths, std::size_t count) {
-  if (paths.laser.size() <= count) return paths;
   CentredPaths thinned = paths;
-  thinned.laser.clear();
-  thinned.visual.clear();
-  for (std::size_t n = 0; n < count; ++n) {
-    const std::size_t i = n * paths.laser.size() / count;
-    thinned.laser.push_back(paths.laser[i]);
-    thinned.visual.push_back(paths.visual[i]);
-  }
+  thinned.laser = evenly_spread(paths.laser, count);
+  thinned.visual = evenly_spread(paths.visual, count);
   return thinned;
 }
 
@@ -237,11 +226,6 @@ double inlier_sigma(std::vector<double> squares, double sigma, double bound_sigm
     sigma = next;
   }
   return sigma;
-}
-
-double tukey_weight(double square, double sigma) {
-  const double u2 = square / (kTukeyConstant * kTukeyConstant * sigma * sigma);
-  return u2 >= 1.0 ? 0.0 : (1.0 - u2) * (1.0 - u2);
 }
 
 /// Iterated reweighted least squares; the noise level is re-estimated until it settles, never upwards.

@@ -11,6 +11,7 @@
 
 #include "common/angle.hpp"
 #include "fusion/robust_fit.hpp"
+#include "fusion/robust_statistics.hpp"
 #include "fusion/trajectory_pairing.hpp"
 
 namespace slamfuse::fusion {
@@ -31,27 +32,12 @@ constexpr std::size_t kMostTurns = 250;
 constexpr std::size_t kFewestMoments = 30;
 /// Robust standard deviation from the median of absolute values.
 constexpr double kSigmaOfMedian = 1.4826;
-constexpr double kTukeyConstant = 4.685;
 constexpr int kIterations = 15;
 
 enum Parameter { kA, kB, kTx, kTy, kLeverX, kLeverY, kClock, kYaw, kParameters };
 using Vector = Eigen::Matrix<double, kParameters, 1>;
 using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
 using Row = Eigen::Matrix<double, 1, kParameters>;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-Trajectory2 thinned(const Trajectory2& trajectory, std::size_t count) {
-  if (trajectory.size() <= count) return trajectory;
-  Trajectory2 thin;
-  thin.reserve(count);
-  for (std::size_t n = 0; n < count; ++n) thin.push_back(trajectory[n * trajectory.size() / count]);
-  return thin;
-}
 
 /// How far the body turned over kTurnTime about a stamp.
 std::optional<double> turn_at(const Trajectory2& trajectory, Nanoseconds stamp, Nanoseconds max_gap) {
@@ -88,7 +74,7 @@ double turn_misfit(const Trajectory2& laser, const std::vector<Turn>& turns, dou
 std::optional<double> search_clock_offset(const Trajectory2& laser, const Trajectory2& visual,
                                           const Trajectory2& moments, Nanoseconds max_gap, double most) {
   std::vector<Turn> turns;
-  for (const auto& moment : thinned(moments, kMostTurns)) {
+  for (const auto& moment : evenly_spread(moments, kMostTurns)) {
     if (const auto angle = turn_at(visual, moment.stamp, max_gap)) turns.push_back({moment.stamp, *angle});
   }
   const int steps = static_cast<int>(std::ceil(most / kSearchStep));
@@ -154,11 +140,6 @@ std::vector<Moment> moments_of(const Trajectory2& laser, const Trajectory2& visu
   return moments;
 }
 
-double tukey_weight(double residual, double sigma) {
-  const double u = residual / (kTukeyConstant * sigma);
-  return std::abs(u) >= 1.0 ? 0.0 : (1.0 - u * u) * (1.0 - u * u);
-}
-
 /// Noise of the positions (one coordinate) and of the headings.
 struct Noise {
   double position = 0.0;
@@ -187,9 +168,10 @@ struct Step {
 Step step_of(const std::vector<Moment>& moments, const Noise& noise) {
   Step step;
   for (const Moment& moment : moments) {
-    const double position = tukey_weight(moment.residual.head<2>().norm(), std::sqrt(2.0) * noise.position) /
+    const double position = tukey_weight(moment.residual.head<2>().squaredNorm(), std::sqrt(2.0) * noise.position) /
                             (noise.position * noise.position);
-    const double heading = tukey_weight(moment.residual.z(), noise.heading) / (noise.heading * noise.heading);
+    const double heading =
+        tukey_weight(moment.residual.z() * moment.residual.z(), noise.heading) / (noise.heading * noise.heading);
     const Eigen::Vector3d weights(position, position, heading);
     step.information += moment.jacobian.transpose() * weights.asDiagonal() * moment.jacobian;
     step.gradient += moment.jacobian.transpose() * weights.asDiagonal() * moment.residual;
@@ -263,7 +245,7 @@ std::optional<SensorOffsets> estimate_sensor_offsets(const Trajectory2& laser, c
   if (laser.size() < kFewestMoments || visual.size() < kFewestMoments) return std::nullopt;
   const Trajectory2 sorted_laser = common::sorted_by_stamp(laser);
   const Trajectory2 sorted_visual = common::sorted_by_stamp(visual);
-  const Trajectory2 moments = thinned(sorted_visual, static_cast<std::size_t>(options.samples));
+  const Trajectory2 moments = evenly_spread(sorted_visual, static_cast<std::size_t>(options.samples));
   const auto clock = search_clock_offset(sorted_laser, sorted_visual, moments, max_gap, options.most_clock_offset);
   if (!clock) return std::nullopt;
   const auto begin = start(sorted_laser, moments, *clock, max_gap);

@@ -11,6 +11,7 @@
 
 namespace slamfuse::fusion {
 
+/// How what lies between the two sensors is looked for, and when it counts.
 struct SensorOffsetOptions {
   bool estimate = true;
   double most_clock_offset = 0.6;
