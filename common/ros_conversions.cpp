@@ -105,6 +105,17 @@ Result<LaserScan> to_laser_scan(const RosLaserScan& scan, const std::string& sen
   return message;
 }
 
+WheelOdometry to_wheel_odometry(const RosOdometry& odometry, const std::string& sensor, const Pose2& T_child_base) {
+  return {odometry.header.stamp, sensor, to_pose2(odometry.pose) * T_child_base, odometry.forward_speed,
+          odometry.turn_rate};
+}
+
+Pose3 looking_forward() {
+  Eigen::Matrix3d rotation;
+  rotation << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  return {Eigen::Vector3d::Zero(), Eigen::Quaterniond(rotation)};
+}
+
 Result<CameraCalibration> camera_calibration_of(const RosCameraInfo& info, const Pose3& T_base_camera) {
   const auto further = info.d.begin() + static_cast<std::ptrdiff_t>(std::min(info.d.size(), kMostDistortion));
   const bool plain = std::all_of(further, info.d.end(), [](double d) { return d == 0.0; });

@@ -4,6 +4,8 @@
 #include "common/calibration.hpp"
 #include "common/error.hpp"
 #include "common/image_decoder.hpp"
+#include "common/pose2.hpp"
+#include "common/pose3.hpp"
 #include "common/ros_messages.hpp"
 #include "common/sensor_message.hpp"
 
@@ -22,6 +24,11 @@ Result<LaserCalibration> laser_calibration_of(const RosLaserScan& scan, const Po
 /// measurement, +inf and what is beyond range_max saw nothing. Error, the reason alone: another geometry.
 Result<LaserScan> to_laser_scan(const RosLaserScan& scan, const std::string& sensor, const LaserCalibration& laser);
 
+/// Odometry of base_link, from that of the frame whose pose is told.
+WheelOdometry to_wheel_odometry(const RosOdometry& odometry, const std::string& sensor, const Pose2& T_child_base);
+
+/// How a camera looks whose mounting is not told: T_base_camera forward, level (REP 103), at base_link.
+Pose3 looking_forward();
 /// A pinhole camera with plumb_bob distortion. Error, the reason alone: not calibrated, another model.
 Result<CameraCalibration> camera_calibration_of(const RosCameraInfo& info, const Pose3& T_base_camera);
 /// Whether to_gray() takes images of an encoding.

@@ -15,13 +15,6 @@
 namespace slamfuse::common {
 namespace {
 
-/// How a camera looks that is not in the tree: forward, level (REP 103).
-Pose3 looking_forward() {
-  Eigen::Matrix3d rotation;
-  rotation << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  return {Eigen::Vector3d::Zero(), Eigen::Quaterniond(rotation)};
-}
-
 /// A sensor being read.
 struct Source {
   RosSensor sensor;
@@ -102,8 +95,7 @@ class RosRecording final : public Recording {
       case SensorKind::kOdometry: {
         const auto odometry = decode_odometry(bag_->encoding(), data);
         if (!odometry) return tl::unexpected(odometry.error());
-        return WheelOdometry{odometry->header.stamp, name, to_pose2(odometry->pose) * source.T_child_base,
-                             odometry->forward_speed, odometry->turn_rate};
+        return to_wheel_odometry(*odometry, name, source.T_child_base);
       }
       case SensorKind::kCamera:
         return decode_camera(source, data);

@@ -18,7 +18,6 @@ namespace {
 
 constexpr const char* kTruthRole = "truth";
 constexpr const char* kNone = "none";
-constexpr const char* kCompressedEnding = "/compressed";
 
 std::string_view last_part(std::string_view topic) { return topic.substr(topic.rfind('/') + 1); }
 
@@ -224,10 +223,8 @@ class TopicChoice {
     for (const std::size_t topic : topics) add("cam" + std::to_string(number++), SensorKind::kCamera, topic);
   }
 
-  /// "camera/camera_info" for "camera/image_raw" and "camera/image_raw/compressed".
-  std::optional<std::size_t> camera_info_of(std::string image) const {
-    if (image.ends_with(kCompressedEnding)) image.erase(image.rfind('/'));
-    const auto info = find_topic(survey_, image.substr(0, image.rfind('/') + 1) + "camera_info");
+  std::optional<std::size_t> camera_info_of(const std::string& image) const {
+    const auto info = find_topic(survey_, camera_info_topic(image));
     return info && survey_.topics[*info].camera ? info : std::nullopt;
   }
 
@@ -263,6 +260,11 @@ class TopicChoice {
 };
 
 }  // namespace
+
+std::string camera_info_topic(std::string image_topic) {
+  if (image_topic.ends_with(kCompressedEnding)) image_topic.erase(image_topic.rfind('/'));
+  return image_topic.substr(0, image_topic.rfind('/') + 1) + "camera_info";
+}
 
 Result<RosTopics> choose_ros_topics(const RosSurvey& survey, const RecordingOptions& options) {
   return TopicChoice(survey, options).choose();

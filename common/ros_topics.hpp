@@ -29,6 +29,12 @@ struct RosTopics {
   std::vector<std::string> notes;  ///< one sentence each
 };
 
+/// What the topic of compressed images has behind that of the raw ones (image_transport).
+inline constexpr const char* kCompressedEnding = "/compressed";
+/// The topic that tells a camera's calibration, beside the image: "camera/camera_info" for "camera/image_raw" and
+/// "camera/image_raw/compressed".
+std::string camera_info_topic(std::string image_topic);
+
 /// Chooses the topics. `options.topics` names them, else:
 /// - lasers: all LaserScan topics, "laser0" the first in the order: named scan, most messages, name.
 /// - odometry, one only: Odometry topics in the order: named odom, frame not map, most messages, name; never one whose

@@ -72,6 +72,8 @@ common::Result<Participant> Participant::create(const DomainSettings& settings) 
       });
 }
 
+common::Result<Participant> Participant::join() { return domain_from_environment().and_then(create); }
+
 Entity::Handle Participant::handle() const { return state_->participant.handle(); }
 
 }  // namespace slamfuse::idl

@@ -16,6 +16,8 @@ class Participant {
   /// Joins. With `loopback_only` the interface `lo` is forced on top of what CYCLONEDDS_URI sets; participants of one
   /// process in one domain must agree on it, else kFailed.
   static common::Result<Participant> create(const DomainSettings& settings);
+  /// Joins the domain that the environment names, see domain_from_environment(). Errors of both.
+  static common::Result<Participant> join();
 
   Entity::Handle handle() const;
 

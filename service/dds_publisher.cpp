@@ -6,20 +6,17 @@
 #include <utility>
 
 #include "fusion/fused_map.hpp"
-#include "idl/domain_settings.hpp"
 #include "idl/participant.hpp"
 #include "idl/writer.hpp"
 #include "service/deadline.hpp"
 #include "service/rate_limit.hpp"
 #include "service/ros_conversion.hpp"
+#include "service/ros_frames.hpp"
 
 namespace slamfuse::service {
 namespace {
 
 using common::PoseSource;
-
-const std::string kMapFrame = "map";
-const std::string kOdomFrame = "odom";
 
 }  // namespace
 
@@ -44,15 +41,11 @@ struct DdsPublisher::State {
   RateLimit map_limit;
   std::map<PoseSource, fusion::StatusEntry> latest_status = {};
   common::Nanoseconds newest_stamp = 0;
-  std::size_t failures = 0;
-  std::optional<common::Error> first_failure = {};
+  UnsentMessages unsent = {};
 
   template <class T>
   void send(idl::Writer<T>& writer, const idl::Message<T>& message) {
-    const auto sent = writer.write(message);
-    if (sent) return;
-    ++failures;
-    if (!first_failure) first_failure = sent.error();
+    unsent.note(writer.write(message));
   }
 
   void send_path(PoseSource source, common::Nanoseconds stamp, const common::Trajectory2& path) {
@@ -79,9 +72,7 @@ struct DdsPublisher::State {
 
 common::Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsOptions& options,
                                                                    CurrentAlignment current_alignment) {
-  const auto settings = idl::domain_from_environment();
-  if (!settings) return tl::unexpected(settings.error());
-  auto joined = idl::Participant::create(*settings);
+  const auto joined = idl::Participant::join();
   if (!joined) return tl::unexpected(joined.error());
   const idl::Participant& participant = *joined;
 
@@ -182,7 +173,6 @@ void DdsPublisher::finish(const DdsFinalState& final_state) {
   state_->for_each_writer([&](const auto& writer) { writer.wait_for_acknowledgments(deadline.left()); });
 }
 
-std::size_t DdsPublisher::failures() const { return state_->failures; }
-const std::optional<common::Error>& DdsPublisher::first_failure() const { return state_->first_failure; }
+const UnsentMessages& DdsPublisher::unsent() const { return state_->unsent; }
 
 }  // namespace slamfuse::service

@@ -14,6 +14,7 @@
 #include "fusion/alignment.hpp"
 #include "service/dds_options.hpp"
 #include "service/pipeline_observer.hpp"
+#include "service/unsent_messages.hpp"
 
 namespace slamfuse::service {
 
@@ -51,9 +52,7 @@ class DdsPublisher : public PipelineObserver {
   /// Publishes the outcome and waits until the listeners have it, as long as the options allow.
   void finish(const DdsFinalState& state);
 
-  /// Messages that could not be sent, and why the first could not.
-  std::size_t failures() const;
-  const std::optional<common::Error>& first_failure() const;
+  const UnsentMessages& unsent() const;
 
  private:
   struct State;

@@ -7,20 +7,15 @@
 #include <mutex>
 #include <utility>
 
-#include "idl/domain_settings.hpp"
 #include "idl/participant.hpp"
 #include "idl/writer.hpp"
+#include "service/clock_now.hpp"
 #include "service/input_diagnostics.hpp"
 
 namespace slamfuse::service {
 namespace {
 
 constexpr std::chrono::seconds kPeriod{1};
-
-common::Nanoseconds wall_clock() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 /// Waits; false when it is time to end.
 bool sleep(const std::stop_token& done) {
@@ -35,9 +30,7 @@ bool sleep(const std::stop_token& done) {
 
 common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::start(
     const LiveSource& source, const std::function<void(const std::string&)>& tell) {
-  const auto settings = idl::domain_from_environment();
-  if (!settings) return tl::unexpected(settings.error());
-  const auto participant = idl::Participant::create(*settings);
+  const auto participant = idl::Participant::join();
   if (!participant) return tl::unexpected(participant.error());
   auto made = idl::Writer<idl::DiagnosticArray>::create(*participant, "diagnostics", idl::QosProfile::kOutput);
   if (!made) return tl::unexpected(made.error());
@@ -49,7 +42,7 @@ common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::star
     while (sleep(done)) {
       const auto diagnoses = diagnostics.look(source.inputs(), std::chrono::steady_clock::now());
       // A failure to send is no news: a reader that does not keep up misses a second.
-      static_cast<void>(writer.write(to_ros_diagnostics(wall_clock(), diagnoses)));
+      static_cast<void>(writer.write(to_ros_diagnostics(clock_now(), diagnoses)));
       for (const Diagnosis& diagnosis : diagnoses) {
         const auto before = std::exchange(told[diagnosis.topic], diagnosis.level);
         if (diagnosis.level != before) tell(diagnosis.topic + ": " + diagnosis.message);

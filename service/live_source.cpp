@@ -2,11 +2,9 @@
 #include "service/live_source.hpp"
 
 #include <algorithm>
-#include <array>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
-#include <set>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -14,13 +12,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/frame_tree.hpp"
 #include "common/ros_conversions.hpp"
-#include "idl/domain_settings.hpp"
+#include "common/ros_topics.hpp"
 #include "idl/participant.hpp"
 #include "idl/reader.hpp"
-#include "service/recording_publisher.hpp"
+#include "service/clock_now.hpp"
 #include "service/ros_to_sensor.hpp"
+#include "service/sensor_discovery.hpp"
+#include "service/sensor_topic.hpp"
 #include "service/stamp_guard.hpp"
 
 namespace slamfuse::service {
@@ -37,7 +36,6 @@ constexpr auto kNap = 50ms;
 constexpr auto kReport = 5s;
 /// Cameras listened for when nobody names any.
 constexpr int kDefaultCameras = 4;
-const std::string kCompressed = "/compressed";
 
 using Payload =
     std::variant<idl::Message<idl::LaserScan>, idl::Message<idl::Odometry>, idl::Message<idl::Image>,
@@ -56,50 +54,17 @@ struct Input {
   std::function<idl::ReaderHealth()> health;
 };
 
-/// What prepare() has heard of a sensor.
-struct Heard {
-  std::optional<common::RosLaserScan> scan;
-  std::optional<common::RosCameraInfo> camera;
-  std::string frame;                         // of the sensor, or of the odometry's child
-  bool message = false;                      // one with data
-  std::optional<common::Nanoseconds> stamp;  // of the last that can be used
-  std::string problem;                       // why what was heard cannot be used
-};
-
-std::optional<SensorKind> kind_of(const std::string& sensor) {
-  if (sensor.starts_with("laser")) return SensorKind::kLaser;
-  if (sensor.starts_with("cam")) return SensorKind::kCamera;
-  if (sensor.starts_with("odom")) return SensorKind::kOdometry;
-  return std::nullopt;
-}
-
-/// How a camera looks whose mounting is not told: forward, level (REP 103).
-common::Pose3 looking_forward() {
-  Eigen::Matrix3d rotation;
-  rotation << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
-  return {Eigen::Vector3d::Zero(), Eigen::Quaterniond(rotation)};
-}
-
-/// `camera_info` stands beside the image (ROS's image_transport does it so).
-std::string camera_info_topic(std::string image_topic) {
-  if (image_topic.ends_with(kCompressed)) image_topic.resize(image_topic.size() - kCompressed.size());
-  const std::size_t slash = image_topic.rfind('/');
-  return (slash == std::string::npos ? std::string() : image_topic.substr(0, slash + 1)) + "camera_info";
-}
-
 std::string without_slash(const std::string& topic) { return topic.starts_with('/') ? topic.substr(1) : topic; }
-
-common::Nanoseconds wall_clock() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 
 class LiveSource::Impl {
  public:
   Impl(LiveSourceOptions options, const std::atomic<bool>& stop, idl::Participant participant)
-      : options_(std::move(options)), stop_(stop), participant_(std::move(participant)) {
+      : options_(std::move(options)),
+        stop_(stop),
+        participant_(std::move(participant)),
+        discovery_(options_.base_frame) {
     info_.path = "DDS";
     info_.format = "dds";
   }
@@ -130,11 +95,14 @@ class LiveSource::Impl {
         trim_backlog();
       }
       const auto now = Clock::now();
-      const std::size_t usable = usable_sensors().size();
+      const std::size_t usable = discovery_.usable_sensors().size();
       if (usable != known) settled = now + std::chrono::duration_cast<Clock::duration>(settle());
       known = usable;
       const std::string missing = missing_sensors();
-      if (missing.empty() && (all_named() || now >= settled)) return decide();
+      if (missing.empty() && (all_named() || now >= settled)) {
+        decide();
+        return {};
+      }
       if (now >= report) {
         if (!missing.empty()) tell("waiting for " + missing);
         report = now + kReport;
@@ -189,8 +157,8 @@ class LiveSource::Impl {
       const std::string camera = fmt::format("cam{}", i);
       const std::string topic = topic_of(camera, SensorKind::kCamera);
       if (auto done = listen_to(camera, topic, false); !done) return done;
-      if (auto done =
-              listen_for<idl::CompressedImage>(camera, topic + kCompressed, idl::QosProfile::kSensorInput, false);
+      if (auto done = listen_for<idl::CompressedImage>(camera, topic + common::kCompressedEnding,
+                                                       idl::QosProfile::kSensorInput, false);
           !done)
         return done;
     }
@@ -199,16 +167,17 @@ class LiveSource::Impl {
 
   Result<void> listen_to(const std::string& sensor, const std::string& topic, bool required) {
     constexpr auto kSensor = idl::QosProfile::kSensorInput;
-    const auto kind = kind_of(sensor);
+    const auto kind = kind_of_sensor(sensor);
     if (!kind) {
       return common::usage_error(fmt::format(
           "--topic {}: allowed are laser0, odom0 and cam0, cam1, ... (tf and tf_static are always heard)", sensor));
     }
     if (*kind == SensorKind::kLaser) return listen_for<idl::LaserScan>(sensor, topic, kSensor, required);
     if (*kind == SensorKind::kOdometry) return listen_for<idl::Odometry>(sensor, topic, kSensor, required);
-    if (auto done = listen_for<idl::CameraInfo>(sensor, camera_info_topic(topic), kSensor, required); !done)
+    if (auto done = listen_for<idl::CameraInfo>(sensor, common::camera_info_topic(topic), kSensor, required); !done)
       return done;
-    if (topic.ends_with(kCompressed)) return listen_for<idl::CompressedImage>(sensor, topic, kSensor, required);
+    if (topic.ends_with(common::kCompressedEnding))
+      return listen_for<idl::CompressedImage>(sensor, topic, kSensor, required);
     return listen_for<idl::Image>(sensor, topic, kSensor, required);
   }
 
@@ -285,58 +254,7 @@ class LiveSource::Impl {
 
   void learn(const Arrival& arrival) {
     const std::string sensor = sensor_of(arrival);
-    if (const auto* transforms = std::get_if<idl::Message<idl::TFMessage>>(&arrival.payload)) {
-      const auto read = from_ros(**transforms);
-      if (!read) return;
-      for (const auto& transform : *read) frames_.add(transform.header.frame, transform.child_frame, transform.pose);
-      return;
-    }
-    Heard& heard = heard_[sensor];
-    if (const auto* scan = std::get_if<idl::Message<idl::LaserScan>>(&arrival.payload)) {
-      auto read = from_ros(**scan);
-      const auto usable = read ? common::laser_calibration_of(*read, {}) : tl::unexpected(read.error());
-      if (!usable) return void(heard.problem = usable.error().message);
-      heard.frame = read->header.frame;
-      heard.stamp = read->header.stamp;
-      heard.scan = *std::move(read);
-    } else if (const auto* info = std::get_if<idl::Message<idl::CameraInfo>>(&arrival.payload)) {
-      auto read = from_ros(**info);
-      const auto usable = read ? common::camera_calibration_of(*read, {}) : tl::unexpected(read.error());
-      if (!usable) return void(heard.problem = usable.error().message);
-      heard.frame = read->header.frame;
-      heard.stamp = read->header.stamp;
-      heard.camera = *std::move(read);
-    } else if (const auto* odometry = std::get_if<idl::Message<idl::Odometry>>(&arrival.payload)) {
-      const auto read = from_ros(**odometry);
-      if (!read) return void(heard.problem = read.error().message);
-      heard.frame = read->child_frame;
-      heard.stamp = read->header.stamp;
-      heard.message = true;
-    } else {
-      heard.message = true;
-    }
-  }
-
-  bool usable(const std::string& sensor) const {
-    const auto found = heard_.find(sensor);
-    if (found == heard_.end()) return false;
-    const Heard& heard = found->second;
-    switch (*kind_of(sensor)) {
-      case SensorKind::kLaser:
-        return heard.scan.has_value();
-      case SensorKind::kCamera:
-        return heard.camera.has_value() && heard.message;
-      default:
-        return heard.message;
-    }
-  }
-
-  std::set<std::string> usable_sensors() const {
-    std::set<std::string> sensors;
-    for (const auto& [sensor, heard] : heard_) {
-      if (usable(sensor)) sensors.insert(sensor);
-    }
-    return sensors;
+    std::visit([&](const auto& message) { discovery_.hear(sensor, *message); }, arrival.payload);
   }
 
   bool all_named() const { return !options_.topics.empty(); }
@@ -350,11 +268,10 @@ class LiveSource::Impl {
     for (const Input& input : inputs_) {
       const InputState& state = input.state;
       if (state.sensor.empty()) continue;
-      const bool heard = usable(state.sensor);
-      eyes |= heard && *kind_of(state.sensor) != SensorKind::kOdometry;
+      const bool heard = discovery_.usable(state.sensor);
+      eyes |= heard && *kind_of_sensor(state.sensor) != SensorKind::kOdometry;
       if (!state.required || heard) continue;
-      const auto found = heard_.find(state.sensor);
-      const std::string problem = found == heard_.end() ? std::string() : found->second.problem;
+      const std::string problem = discovery_.problem_of(state.sensor);
       missing.push_back(
           fmt::format("{} on {}{}", state.sensor, state.topic, problem.empty() ? std::string() : " (" + problem + ")"));
     }
@@ -362,49 +279,21 @@ class LiveSource::Impl {
     return eyes ? std::string() : std::string("a laser or a calibrated camera");
   }
 
-  Result<void> decide() {
+  /// Takes what has been found out as what this recording is.
+  void decide() {
     common::RecordingInfo info = info_;
-    for (const std::string& sensor : usable_sensors()) {
-      const Heard& heard = heard_.at(sensor);
-      const SensorKind kind = *kind_of(sensor);
-      info.sensors[sensor].kind = kind;
-      if (kind == SensorKind::kLaser) {
-        info.calibration.lasers[sensor] =
-            *common::laser_calibration_of(*heard.scan, mounting(sensor, heard.frame, {}, info));
-      } else if (kind == SensorKind::kCamera) {
-        auto camera =
-            *common::camera_calibration_of(*heard.camera, mounting(sensor, heard.frame, looking_forward(), info));
-        if (const auto readout = options_.readout.find(sensor); readout != options_.readout.end()) {
-          camera.readout = readout->second;
-        }
-        info.calibration.cameras[sensor] = camera;
-      } else {
-        T_child_base_[sensor] = common::to_pose2(mounting(sensor, options_.base_frame, {}, info, heard.frame));
-      }
+    discovery_.describe(info);
+    for (const auto& [camera, readout] : options_.readout) {
+      const auto found = info.calibration.cameras.find(camera);
+      if (found != info.calibration.cameras.end()) found->second.readout = readout;
     }
-    last_stamp_ = 0;
+    for (const auto& [sensor, about] : info.sensors) {
+      if (about.kind == SensorKind::kOdometry) T_child_base_[sensor] = discovery_.T_child_base(sensor);
+    }
     // What is rejected before the first good message still happened about then, not in 1970.
-    for (const auto& [sensor, heard] : heard_) {
-      if (heard.stamp) last_stamp_ = std::max(last_stamp_, *heard.stamp);
-    }
+    last_stamp_ = discovery_.newest_stamp();
     const std::lock_guard lock(mutex_);
     info_ = std::move(info);
-    return {};
-  }
-
-  /// T_target_source by tf, else `otherwise`, which is told.
-  common::Pose3 mounting(const std::string& sensor, const std::string& source, const common::Pose3& otherwise,
-                         common::RecordingInfo& info, const std::string& target) const {
-    if (target == source) return {};
-    if (const auto found = frames_.transform(target, source)) return *found;
-    info.notes.push_back(fmt::format("{}: no transform between {} and {} was heard, taken to be at the same place{}",
-                                     sensor, target, source.empty() ? "a frame that is not told" : source,
-                                     otherwise.rotation.w() < 1.0 ? ", looking forward" : ""));
-    return otherwise;
-  }
-  common::Pose3 mounting(const std::string& sensor, const std::string& source, const common::Pose3& otherwise,
-                         common::RecordingInfo& info) const {
-    return mounting(sensor, source, otherwise, info, options_.base_frame);
   }
 
   // ---- messages
@@ -425,7 +314,7 @@ class LiveSource::Impl {
       restart_ = verdict.reason;
       return reject(arrival, sensor, verdict.reason);
     }
-    const common::Nanoseconds offset = wall_clock() - stamp;
+    const common::Nanoseconds offset = clock_now() - stamp;
     const std::lock_guard lock(mutex_);
     inputs_[arrival.input].state.last_stamp = last_stamp_ = stamp;
     inputs_[arrival.input].state.clock_offset = offset;
@@ -443,9 +332,7 @@ class LiveSource::Impl {
   Result<common::SensorMessage> decode(const idl::Odometry& message, const std::string& sensor) const {
     const auto odometry = from_ros(message);
     if (!odometry) return tl::unexpected(odometry.error());
-    return common::WheelOdometry{odometry->header.stamp, sensor,
-                                 common::to_pose2(odometry->pose) * T_child_base_.at(sensor), odometry->forward_speed,
-                                 odometry->turn_rate};
+    return common::to_wheel_odometry(*odometry, sensor, T_child_base_.at(sensor));
   }
   Result<common::SensorMessage> decode(const idl::Image& message, const std::string& sensor) const {
     const auto image = from_ros(message);
@@ -479,7 +366,7 @@ class LiveSource::Impl {
                                                     const idl::CameraInfo& message) {
     const auto info = from_ros(message);
     if (!info) return reject(arrival, sensor, info.error().message);
-    const common::RosCameraInfo& known = *heard_.at(sensor).camera;
+    const common::RosCameraInfo& known = discovery_.camera_info(sensor);
     if (info->k == known.k && info->d == known.d && info->width == known.width && info->height == known.height) {
       return std::nullopt;
     }
@@ -506,8 +393,7 @@ class LiveSource::Impl {
 
   // of the thread that calls prepare() and next()
   std::deque<Arrival> backlog_;
-  std::map<std::string, Heard> heard_;
-  common::FrameTree frames_;
+  SensorDiscovery discovery_;
   std::map<std::string, common::Pose2> T_child_base_;
   StampGuard stamps_;
   common::Nanoseconds last_stamp_ = 0;
@@ -518,9 +404,7 @@ class LiveSource::Impl {
 
 Result<std::unique_ptr<LiveSource>> LiveSource::create(const LiveSourceOptions& options,
                                                        const std::atomic<bool>& stop) {
-  const auto settings = idl::domain_from_environment();
-  if (!settings) return tl::unexpected(settings.error());
-  auto participant = idl::Participant::create(*settings);
+  auto participant = idl::Participant::join();
   if (!participant) return tl::unexpected(participant.error());
   auto impl = std::make_unique<Impl>(options, stop, *std::move(participant));
   if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());

@@ -11,8 +11,10 @@
 #include <fmt/format.h>
 
 #include "common/replay.hpp"
+#include "service/clock_now.hpp"
 #include "service/pacer.hpp"
 #include "service/recording_publisher.hpp"
+#include "service/sensor_topic.hpp"
 
 namespace slamfuse::service {
 namespace {
@@ -29,11 +31,6 @@ common::Result<std::unique_ptr<common::Recording>> open(const PlayRequest& reque
   options.from = request.from;
   options.to = request.to;
   return common::replay(std::move(*recording), options);
-}
-
-common::Nanoseconds clock_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 /// What was sent, and what was not.
@@ -56,9 +53,8 @@ std::string in_words(const PlayRequest& request, const Tally& tally, const commo
   if (tally.rejected > 0) {
     text += fmt::format("  {} messages could not be used, the first: {}\n", tally.rejected, tally.first_rejected);
   }
-  if (publisher.failures() > 0) {
-    text += fmt::format("  {} messages could not be sent, the first: {}\n", publisher.failures(),
-                        publisher.first_failure()->message);
+  if (const UnsentMessages& unsent = publisher.unsent(); unsent.count > 0) {
+    text += fmt::format("  {} messages could not be sent, the first: {}\n", unsent.count, unsent.first->message);
   }
   return text;
 }

@@ -8,42 +8,15 @@
 #include <variant>
 #include <vector>
 
-#include "idl/domain_settings.hpp"
 #include "idl/participant.hpp"
 #include "idl/writer.hpp"
 #include "service/deadline.hpp"
+#include "service/ros_frames.hpp"
 #include "service/sensor_to_ros.hpp"
+#include "service/sensor_topic.hpp"
+#include "service/unsent_messages.hpp"
 
 namespace slamfuse::service {
-namespace {
-
-const std::string kBaseFrame = "base_link";
-const std::string kOdomFrame = "odom";
-
-/// "laser0" counts as the only one: "" ; "laser1": "1"; a name without a number: itself.
-std::string number_of(const std::string& sensor) {
-  const std::size_t digits = sensor.find_last_not_of("0123456789") + 1;
-  const std::string number = sensor.substr(digits);
-  if (number.empty()) return "_" + sensor;
-  return number == "0" ? std::string() : number;
-}
-
-}  // namespace
-
-std::string topic_of(const std::string& sensor, common::SensorKind kind) {
-  switch (kind) {
-    case common::SensorKind::kLaser:
-      return "scan" + number_of(sensor);
-    case common::SensorKind::kOdometry:
-      return "odom" + number_of(sensor);
-    case common::SensorKind::kCamera:
-      return sensor + "/image_raw";
-    case common::SensorKind::kImu:
-      break;
-  }
-  return sensor + "/data";
-}
-
 struct RecordingPublisher::State {
   struct Camera {
     idl::Writer<idl::Image> image;
@@ -58,15 +31,11 @@ struct RecordingPublisher::State {
   std::map<std::string, idl::Writer<idl::Odometry>> odometries = {};
   std::map<std::string, idl::Writer<idl::Imu>> imus = {};
   std::map<std::string, Camera> cameras = {};
-  std::size_t failures = 0;
-  std::optional<common::Error> first_failure = {};
+  UnsentMessages unsent = {};
 
   template <class T>
   void send(idl::Writer<T>& writer, const idl::Message<T>& message) {
-    const auto sent = writer.write(message);
-    if (sent) return;
-    ++failures;
-    if (!first_failure) first_failure = sent.error();
+    unsent.note(writer.write(message));
   }
 
   template <class T>
@@ -128,9 +97,7 @@ struct RecordingPublisher::State {
 };
 
 common::Result<std::unique_ptr<RecordingPublisher>> RecordingPublisher::create(const common::RecordingInfo& info) {
-  const auto settings = idl::domain_from_environment();
-  if (!settings) return tl::unexpected(settings.error());
-  auto participant = idl::Participant::create(*settings);
+  const auto participant = idl::Participant::join();
   if (!participant) return tl::unexpected(participant.error());
   auto transform = idl::Writer<idl::TFMessage>::create(*participant, "tf", idl::QosProfile::kOutput);
   if (!transform) return tl::unexpected(transform.error());
@@ -175,7 +142,6 @@ void RecordingPublisher::finish(double seconds) {
   state_->for_each_sensor([&](auto& writer) { writer.wait_for_acknowledgments(deadline.left()); });
 }
 
-std::size_t RecordingPublisher::failures() const { return state_->failures; }
-const std::optional<common::Error>& RecordingPublisher::first_failure() const { return state_->first_failure; }
+const UnsentMessages& RecordingPublisher::unsent() const { return state_->unsent; }
 
 }  // namespace slamfuse::service

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/wire_reader.hpp"
 #include "idl/message.hpp"
 #include "service/ros_conversion.hpp"
 
@@ -15,12 +16,7 @@ namespace {
 
 using common::Result;
 
-/// As ROS 1 wrote them, with a slash in front, or not.
-std::string frame_of(const char* field) {
-  std::string frame = idl::text_of(field);
-  if (frame.starts_with('/')) frame.erase(0, 1);
-  return frame;
-}
+std::string frame_of(const char* field) { return common::plain_frame(idl::text_of(field)); }
 
 Result<common::RosHeader> header_of(const idl::Header& header) {
   constexpr std::uint32_t kNanosecondsEnd = 1'000'000'000;

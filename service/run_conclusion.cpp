@@ -41,10 +41,11 @@ DdsFinalState final_state_of(const RunSummary& summary) {
 }
 
 void tell_failures(const DdsPublisher& publisher, RunSummary& summary) {
-  if (publisher.failures() == 0) return;
-  summary.log.events.push_back({summary.last_stamp, "dds", "send_failed",
-                                fmt::format("{} messages could not be sent, the first: {}", publisher.failures(),
-                                            publisher.first_failure()->message)});
+  const UnsentMessages& unsent = publisher.unsent();
+  if (unsent.count == 0) return;
+  summary.log.events.push_back(
+      {summary.last_stamp, "dds", "send_failed",
+       fmt::format("{} messages could not be sent, the first: {}", unsent.count, unsent.first->message)});
 }
 
 }  // namespace slamfuse::service

@@ -24,9 +24,9 @@ using common::Result;
 using Tell = std::function<void(const std::string&)>;
 
 /// The live source as one session's recording: the source outlives the session.
-class Borrowed final : public common::Recording {
+class BorrowedSource final : public common::Recording {
  public:
-  explicit Borrowed(LiveSource& source) : source_(source) {}
+  explicit BorrowedSource(LiveSource& source) : source_(source) {}
   const common::RecordingInfo& info() const override { return source_.info(); }
   Result<std::optional<common::RecordingItem>> next() override { return source_.next(); }
 
@@ -68,7 +68,7 @@ class Session {
   Session(const RunRequest& request, const Tell& tell) : request_(request), tell_(tell) {}
 
   Result<std::string> run(LiveSource& source) {
-    auto session = RunSession::create(request_, std::make_unique<Borrowed>(source));
+    auto session = RunSession::create(request_, std::make_unique<BorrowedSource>(source));
     if (!session) return tl::unexpected(session.error());
     const auto folder = OutputFolder::create(request_.out, ResultKind::kRun);
     if (!folder) return tl::unexpected(folder.error());

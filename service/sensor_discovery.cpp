@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/sensor_discovery.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/ros_conversions.hpp"
+#include "service/ros_to_sensor.hpp"
+
+namespace slamfuse::service {
+
+using common::SensorKind;
+
+std::optional<SensorKind> kind_of_sensor(const std::string& name) {
+  if (name.starts_with("laser")) return SensorKind::kLaser;
+  if (name.starts_with("cam")) return SensorKind::kCamera;
+  if (name.starts_with("odom")) return SensorKind::kOdometry;
+  return std::nullopt;
+}
+
+void SensorDiscovery::use(Heard& heard, const common::RosHeader& header) {
+  heard.frame = header.frame;
+  newest_stamp_ = std::max(newest_stamp_, header.stamp);
+}
+
+void SensorDiscovery::hear(const std::string& sensor, const idl::LaserScan& scan) {
+  Heard& heard = heard_[sensor];
+  auto read = from_ros(scan);
+  const auto usable = read ? common::laser_calibration_of(*read, {}) : tl::unexpected(read.error());
+  if (!usable) return void(heard.problem = usable.error().message);
+  use(heard, read->header);
+  heard.scan = *std::move(read);
+}
+
+void SensorDiscovery::hear(const std::string& sensor, const idl::CameraInfo& info) {
+  Heard& heard = heard_[sensor];
+  auto read = from_ros(info);
+  const auto usable = read ? common::camera_calibration_of(*read, {}) : tl::unexpected(read.error());
+  if (!usable) return void(heard.problem = usable.error().message);
+  use(heard, read->header);
+  heard.camera = *std::move(read);
+}
+
+void SensorDiscovery::hear(const std::string& sensor, const idl::Odometry& odometry) {
+  Heard& heard = heard_[sensor];
+  const auto read = from_ros(odometry);
+  if (!read) return void(heard.problem = read.error().message);
+  use(heard, read->header);
+  heard.frame = read->child_frame;
+  heard.message = true;
+}
+
+void SensorDiscovery::hear(const std::string& sensor, const idl::Image& /*image*/) { heard_[sensor].message = true; }
+
+void SensorDiscovery::hear(const std::string& sensor, const idl::CompressedImage& /*image*/) {
+  heard_[sensor].message = true;
+}
+
+void SensorDiscovery::hear(const std::string& /*sensor*/, const idl::TFMessage& transforms) {
+  const auto read = from_ros(transforms);
+  if (!read) return;
+  for (const auto& transform : *read) frames_.add(transform.header.frame, transform.child_frame, transform.pose);
+}
+
+bool SensorDiscovery::usable(const std::string& sensor) const {
+  const auto found = heard_.find(sensor);
+  if (found == heard_.end()) return false;
+  const Heard& heard = found->second;
+  switch (*kind_of_sensor(sensor)) {
+    case SensorKind::kLaser:
+      return heard.scan.has_value();
+    case SensorKind::kCamera:
+      return heard.camera.has_value() && heard.message;
+    default:
+      return heard.message;
+  }
+}
+
+std::set<std::string> SensorDiscovery::usable_sensors() const {
+  std::set<std::string> sensors;
+  for (const auto& [sensor, heard] : heard_) {
+    if (usable(sensor)) sensors.insert(sensor);
+  }
+  return sensors;
+}
+
+std::string SensorDiscovery::problem_of(const std::string& sensor) const {
+  const auto found = heard_.find(sensor);
+  return found == heard_.end() || usable(sensor) ? std::string() : found->second.problem;
+}
+
+void SensorDiscovery::describe(common::RecordingInfo& info) const {
+  for (const std::string& sensor : usable_sensors()) {
+    const Heard& heard = heard_.at(sensor);
+    const SensorKind kind = *kind_of_sensor(sensor);
+    info.sensors[sensor].kind = kind;
+    if (kind == SensorKind::kLaser) {
+      info.calibration.lasers[sensor] =
+          *common::laser_calibration_of(*heard.scan, mounting(sensor, base_frame_, heard.frame, {}, info));
+    } else if (kind == SensorKind::kCamera) {
+      info.calibration.cameras[sensor] = *common::camera_calibration_of(
+          *heard.camera, mounting(sensor, base_frame_, heard.frame, common::looking_forward(), info));
+    } else {
+      mounting(sensor, heard.frame, base_frame_, {}, info);  // for its note
+    }
+  }
+}
+
+common::Pose3 SensorDiscovery::mounting(const std::string& sensor, const std::string& target, const std::string& source,
+                                        const common::Pose3& otherwise, common::RecordingInfo& info) const {
+  if (target == source) return {};
+  if (const auto found = frames_.transform(target, source)) return *found;
+  info.notes.push_back(fmt::format("{}: no transform between {} and {} was heard, taken to be at the same place{}",
+                                   sensor, target, source.empty() ? "a frame that is not told" : source,
+                                   otherwise.rotation.w() < 1.0 ? ", looking forward" : ""));
+  return otherwise;
+}
+
+common::Pose2 SensorDiscovery::T_child_base(const std::string& odometry) const {
+  const std::string& child = heard_.at(odometry).frame;
+  if (child == base_frame_) return {};
+  return common::to_pose2(frames_.transform(child, base_frame_).value_or(common::Pose3{}));
+}
+
+const common::RosCameraInfo& SensorDiscovery::camera_info(const std::string& camera) const {
+  return *heard_.at(camera).camera;
+}
+
+}  // namespace slamfuse::service

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "service/sensor_discovery.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "service/sensor_to_ros.hpp"
+
+namespace slamfuse::service {
+namespace {
+
+constexpr common::Nanoseconds kStamp = 1'700'000'000'000'000'000;
+
+common::LaserCalibration laser() {
+  common::LaserCalibration laser;
+  laser.angle_min = -1.0;
+  laser.angle_increment = 1.0;
+  laser.beams = 3;
+  laser.range_min = 0.1;
+  laser.range_max = 5.0;
+  return laser;
+}
+
+idl::Message<idl::LaserScan> scan(const std::string& frame) {
+  return to_ros_scan({kStamp, frame}, {kStamp, "laser0", {1.0F, 2.0F, 3.0F}}, laser());
+}
+
+idl::Message<idl::CameraInfo> camera_info() {
+  common::CameraCalibration camera;
+  camera.width = 4;
+  camera.height = 3;
+  camera.fx = camera.fy = 2.0;
+  return to_ros_camera_info({kStamp, "eye"}, camera);
+}
+
+idl::Message<idl::Image> image() {
+  return to_ros_image({kStamp, "eye"},
+                      {kStamp, "cam0", 4, 3, std::make_shared<const std::vector<std::uint8_t>>(12, 100)});
+}
+
+TEST(SensorDiscovery, KnowsTheKindOfASensorByItsName) {
+  EXPECT_EQ(kind_of_sensor("laser1"), common::SensorKind::kLaser);
+  EXPECT_EQ(kind_of_sensor("cam3"), common::SensorKind::kCamera);
+  EXPECT_EQ(kind_of_sensor("odom0"), common::SensorKind::kOdometry);
+  EXPECT_FALSE(kind_of_sensor("tf"));
+}
+
+TEST(SensorDiscovery, ALaserIsUsableAfterItsFirstScanAndStandsWhereTfSays) {
+  SensorDiscovery discovery("base_link");
+  EXPECT_FALSE(discovery.usable("laser0"));
+  discovery.hear("laser0", *scan("front"));
+  discovery.hear("tf", *to_ros_transforms({kStamp, "base_link"}, {{"front", common::to_pose3({0.2, 0.1, 0.5})}}));
+  EXPECT_TRUE(discovery.usable("laser0"));
+  EXPECT_EQ(discovery.newest_stamp(), kStamp);
+  common::RecordingInfo info;
+  discovery.describe(info);
+  ASSERT_EQ(info.calibration.lasers.count("laser0"), 1u);
+  EXPECT_EQ(info.calibration.lasers.at("laser0").beams, 3);
+  EXPECT_NEAR(info.calibration.lasers.at("laser0").T_base_laser.translation.x(), 0.2, 1e-12);
+  EXPECT_TRUE(info.notes.empty());
+}
+
+TEST(SensorDiscovery, ASensorWhoseMountingNobodyTellsIsAtTheRobotAndANoteSaysSo) {
+  SensorDiscovery discovery("base_link");
+  discovery.hear("cam0", *camera_info());
+  discovery.hear("cam0", *image());
+  common::RecordingInfo info;
+  discovery.describe(info);
+  ASSERT_EQ(info.notes.size(), 1u);
+  EXPECT_NE(info.notes[0].find("eye"), std::string::npos);
+  EXPECT_NE(info.notes[0].find("looking forward"), std::string::npos);
+  const common::Pose3& mounting = info.calibration.cameras.at("cam0").T_base_camera;
+  EXPECT_NEAR((mounting.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-12);
+}
+
+TEST(SensorDiscovery, ACameraNeedsCalibrationAndAPicture) {
+  SensorDiscovery discovery("base_link");
+  discovery.hear("cam0", *image());
+  EXPECT_FALSE(discovery.usable("cam0"));
+  discovery.hear("cam0", *camera_info());
+  EXPECT_TRUE(discovery.usable("cam0"));
+  EXPECT_EQ(discovery.usable_sensors(), std::set<std::string>{"cam0"});
+  EXPECT_EQ(discovery.camera_info("cam0").width, 4);
+}
+
+TEST(SensorDiscovery, WhatCannotBeUsedLeavesAProblemUntilSomethingBetterComes) {
+  SensorDiscovery discovery("base_link");
+  auto bad = scan("front");
+  bad->angle_increment = std::numeric_limits<float>::quiet_NaN();
+  discovery.hear("laser0", *bad);
+  EXPECT_FALSE(discovery.usable("laser0"));
+  EXPECT_FALSE(discovery.problem_of("laser0").empty());
+  discovery.hear("laser0", *scan("front"));
+  EXPECT_TRUE(discovery.usable("laser0"));
+  EXPECT_TRUE(discovery.problem_of("laser0").empty());
+}
+
+TEST(SensorDiscovery, OdometryOfAnotherFrameIsBroughtToTheBase) {
+  SensorDiscovery discovery("base_link");
+  discovery.hear("odom0", *to_ros_odometry({kStamp, "odom"}, "wheels", {kStamp, "odom0", {}, 0.0, 0.0}));
+  EXPECT_NEAR(discovery.T_child_base("odom0").translation().norm(), 0.0, 1e-12);  // nobody told
+  discovery.hear("tf", *to_ros_transforms({kStamp, "base_link"}, {{"wheels", common::to_pose3({0.3, 0.0, 0.0})}}));
+  EXPECT_NEAR(discovery.T_child_base("odom0").x, -0.3, 1e-12);
+}
+
+}  // namespace
+}  // namespace slamfuse::service
