@@ -8,6 +8,7 @@ namespace slamfuse::common {
 
 /// An angle [rad] brought into (-pi, pi]. NaN and infinities give NaN.
 inline double normalize_angle(double angle) {
+  if (angle > -std::numbers::pi && angle <= std::numbers::pi) return angle;  // most are: the division is slow
   const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
   return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
 }

@@ -14,6 +14,8 @@ double path_length(const Trajectory2& trajectory) {
 }
 
 Trajectory2 sorted_by_stamp(const Trajectory2& trajectory) {
+  const auto not_later = [](const auto& a, const auto& b) { return a.stamp >= b.stamp; };
+  if (std::adjacent_find(trajectory.begin(), trajectory.end(), not_later) == trajectory.end()) return trajectory;
   Trajectory2 sorted = trajectory;
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
   Trajectory2 unique;
@@ -39,9 +41,13 @@ Trajectory3 to_spatial(const Trajectory2& trajectory) {
   return spatial;
 }
 
-std::optional<Pose2> pose_at(const Trajectory2& trajectory, Nanoseconds stamp, Nanoseconds max_gap) {
-  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp,
-                                      [](const StampedPose2& pose, Nanoseconds t) { return pose.stamp < t; });
+namespace {
+
+bool is_before(const StampedPose2& pose, Nanoseconds stamp) { return pose.stamp < stamp; }
+
+/// The pose at `stamp`, before which the poses in front of `after` are.
+std::optional<Pose2> pose_between(const Trajectory2& trajectory, Trajectory2::const_iterator after, Nanoseconds stamp,
+                                  Nanoseconds max_gap) {
   if (after == trajectory.end()) return std::nullopt;
   if (after->stamp == stamp) return after->pose;
   if (after == trajectory.begin()) return std::nullopt;
@@ -49,6 +55,33 @@ std::optional<Pose2> pose_at(const Trajectory2& trajectory, Nanoseconds stamp, N
   if (stamp - before->stamp > max_gap || after->stamp - stamp > max_gap) return std::nullopt;
   return interpolate(before->pose, after->pose,
                      static_cast<double>(stamp - before->stamp) / static_cast<double>(after->stamp - before->stamp));
+}
+
+}  // namespace
+
+std::optional<Pose2> pose_at(const Trajectory2& trajectory, Nanoseconds stamp, Nanoseconds max_gap) {
+  const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), stamp, is_before);
+  return pose_between(trajectory, after, stamp, max_gap);
+}
+
+std::optional<Pose2> PoseCursor::at(Nanoseconds stamp) {
+  // Steps that double, from the last place into the direction of the stamp, then halving between the last two.
+  const auto size = static_cast<std::ptrdiff_t>(trajectory_.size());
+  const auto before = [&](std::ptrdiff_t i) { return is_before(trajectory_[static_cast<std::size_t>(i)], stamp); };
+  std::ptrdiff_t low = place_;   // all in front of it are before the stamp
+  std::ptrdiff_t high = place_;  // it and all behind it are not
+  for (std::ptrdiff_t step = 1; high < size && before(high); step *= 2) {
+    low = high + 1;
+    high = std::min(high + step, size);
+  }
+  for (std::ptrdiff_t step = 1; low > 0 && !before(low - 1); step *= 2) {
+    high = low - 1;
+    low = std::max<std::ptrdiff_t>(low - step, 0);
+  }
+  const auto begin = trajectory_.begin();
+  const auto after = std::lower_bound(begin + low, begin + high, stamp, is_before);
+  place_ = after - begin;
+  return pose_between(trajectory_, after, stamp, max_gap_);
 }
 
 }  // namespace slamfuse::common

@@ -43,4 +43,19 @@ Trajectory3 to_spatial(const Trajectory2& trajectory);
 /// from `stamp` (an exact hit always counts).
 std::optional<Pose2> pose_at(const Trajectory2& trajectory, Nanoseconds stamp, Nanoseconds max_gap);
 
+/// pose_at for many stamps, each near the one before: searches from where it found the last one.
+class PoseCursor {
+ public:
+  /// `trajectory` must be sorted by stamp and outlive this.
+  PoseCursor(const Trajectory2& trajectory, Nanoseconds max_gap) : trajectory_(trajectory), max_gap_(max_gap) {}
+
+  /// As pose_at, whatever was asked before.
+  std::optional<Pose2> at(Nanoseconds stamp);
+
+ private:
+  const Trajectory2& trajectory_;
+  Nanoseconds max_gap_;
+  std::ptrdiff_t place_ = 0;  ///< of the first pose not before the stamp last asked for
+};
+
 }  // namespace slamfuse::common

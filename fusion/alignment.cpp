@@ -38,6 +38,14 @@ struct MethodFit {
 
 double ratio_of(double loss, double best) { return loss < kLargestRatio * best ? loss / best : kLargestRatio; }
 
+MethodFit to_method_fit(const RobustFit& robust) {
+  MethodFit result;
+  result.mapping = to_mapping_matrix(robust.map);
+  result.covariance = robust.covariance;
+  result.runner_up_ratio = ratio_of(robust.runner_up_loss, robust.loss);
+  return result;
+}
+
 std::optional<MethodFit> fit(const std::vector<PosePair>& pairs, AlignmentMethod method,
                              const AlignmentOptions& options) {
   const double separation = to_radians(options.runner_up_separation);
@@ -54,19 +62,29 @@ std::optional<MethodFit> fit(const std::vector<PosePair>& pairs, AlignmentMethod
   const RobustModel model = method == AlignmentMethod::kAffine ? RobustModel::kAffine : RobustModel::kSimilarity;
   const auto robust = fit_robust(pairs, model, options.robust, separation);
   if (!robust) return std::nullopt;
-  result.mapping = to_mapping_matrix(robust->map);
-  result.covariance = robust->covariance;
-  result.runner_up_ratio = ratio_of(robust->runner_up_loss, robust->loss);
-  return result;
+  return to_method_fit(*robust);
 }
 
-/// Which pairs count in every method's errors: those the most flexible robust fit keeps.
-std::vector<bool> trusted_pairs(const std::vector<PosePair>& pairs, const AlignmentOptions& options) {
+/// The pairs, what the most flexible robust fit makes of them, and which of them therefore count in every method's
+/// errors.
+struct JudgedPairs {
+  std::vector<PosePair> pairs;
+  std::optional<RobustFit> affine;
+  std::vector<bool> trusted;
+};
+
+JudgedPairs judge_pairs(std::vector<PosePair> pairs, const AlignmentOptions& options) {
   const double separation = to_radians(options.runner_up_separation);
-  for (const RobustModel model : {RobustModel::kAffine, RobustModel::kSimilarity}) {
-    if (const auto robust = fit_robust(pairs, model, options.robust, separation)) return robust->inliers;
+  JudgedPairs judged{std::move(pairs), std::nullopt, {}};
+  judged.affine = fit_robust(judged.pairs, RobustModel::kAffine, options.robust, separation);
+  if (judged.affine) {
+    judged.trusted = judged.affine->inliers;
+  } else if (const auto fit = fit_robust(judged.pairs, RobustModel::kSimilarity, options.robust, separation)) {
+    judged.trusted = fit->inliers;
+  } else {
+    judged.trusted.assign(judged.pairs.size(), true);
   }
-  return std::vector<bool>(pairs.size(), true);
+  return judged;
 }
 
 template <class Keep>
@@ -134,13 +152,14 @@ void measure_headings(const std::vector<PosePair>& pairs, const std::vector<bool
   alignment.heading_rmse = std::sqrt(square / static_cast<double>(turns.size()));
 }
 
-Alignment evaluate_method(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted, AlignmentMethod method,
-                          const AlignmentOptions& options) {
+Alignment evaluate_method(const JudgedPairs& judged, AlignmentMethod method, const AlignmentOptions& options) {
+  const auto& [pairs, affine, trusted] = judged;
   Alignment alignment;
   alignment.method = method;
   alignment.pairs = pairs.size();
   alignment.inliers = static_cast<std::size_t>(std::count(trusted.begin(), trusted.end(), true));
-  const auto whole = fit(pairs, method, options);
+  const bool is_known = method == AlignmentMethod::kAffine && affine;
+  const auto whole = is_known ? to_method_fit(*affine) : fit(pairs, method, options);
   if (!whole || !whole->mapping.planar().is_finite()) {
     alignment.reason = fmt::format("method {} finds no map through the {} pairs", to_string(method), pairs.size());
     alignment.heldout_rmse = std::numeric_limits<double>::infinity();
@@ -169,12 +188,11 @@ Alignment evaluate_method(const std::vector<PosePair>& pairs, const std::vector<
   return alignment;
 }
 
-Alignment evaluate(const std::vector<PosePair>& pairs, const std::vector<bool>& trusted, double straightness_ratio,
-                   const AlignmentOptions& options) {
-  if (options.method != AlignmentMethod::kAuto) return evaluate_method(pairs, trusted, options.method, options);
-  Alignment similarity = evaluate_method(pairs, trusted, AlignmentMethod::kSimilarity, options);
+Alignment evaluate(const JudgedPairs& judged, double straightness_ratio, const AlignmentOptions& options) {
+  if (options.method != AlignmentMethod::kAuto) return evaluate_method(judged, options.method, options);
+  Alignment similarity = evaluate_method(judged, AlignmentMethod::kSimilarity, options);
   if (straightness_ratio < options.affine_straightness_ratio) return similarity;
-  Alignment affine = evaluate_method(pairs, trusted, AlignmentMethod::kAffine, options);
+  Alignment affine = evaluate_method(judged, AlignmentMethod::kAffine, options);
   return affine.heldout_rmse < options.affine_gain * similarity.heldout_rmse ? affine : similarity;
 }
 
@@ -261,17 +279,17 @@ Alignment align_as_told(const common::Trajectory2& laser, const common::Trajecto
   if (path < options.min_path) {
     return refuse(nothing, fmt::format("the path is too short: {:.3f} m, needed {:.3f} m", path, options.min_path));
   }
-  const std::vector<PosePair> pairs =
+  std::vector<PosePair> pairs =
       evenly_spread(without_standstill(all_pairs, options.pairing), static_cast<std::size_t>(options.most_pairs));
   nothing.pairs = pairs.size();
   if (pairs.size() < needed) {
     return refuse(nothing, fmt::format("too few pairs where the robot moved: {}, needed {}", pairs.size(), needed));
   }
 
-  const std::vector<bool> trusted = trusted_pairs(pairs, options);
-  const Spread spread = spread_of(pairs, trusted);
+  const JudgedPairs judged = judge_pairs(std::move(pairs), options);
+  const Spread spread = spread_of(judged.pairs, judged.trusted);
   const double straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
-  Alignment best = evaluate(pairs, trusted, straightness_ratio, options);
+  Alignment best = evaluate(judged, straightness_ratio, options);
   best.straightness_ratio = straightness_ratio;
   best.clock_offset = offsets.clock_offset;
   best.lever_arm = offsets.lever_arm;

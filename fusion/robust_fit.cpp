@@ -145,13 +145,36 @@ double sigma_of(std::vector<double>& squares, double floor) {
   return std::max(std::sqrt(squares[static_cast<std::size_t>(place)]) / kRayleighQuantile, floor);
 }
 
-/// Mean of the squared residuals, each cut off at `bound`.
-double truncated_loss(const CentredPaths& paths, const PlanarAffine& map, double bound) {
+/// sigma_of where it is below `best`, else nothing: most hypotheses are bad, and that is seen without sorting, mostly
+/// before all of the pairs were looked at. `squares` is room to work in.
+std::optional<double> sigma_below(const CentredPaths& paths, const PlanarAffine& map, double best, double floor,
+                                  std::vector<double>& squares) {
+  constexpr double kRounding = 1.0 + 1e-9;
+  const std::size_t count = paths.laser.size();
+  const auto place = static_cast<std::size_t>(kQuantile * static_cast<double>(count));
+  const std::size_t most_above = count - place - 1;
+  const double bound = best * best * kRayleighQuantile * kRayleighQuantile * kRounding;
+  std::size_t above = 0;
+  squares.resize(count);
+  for (std::size_t i = 0; i < count && above <= most_above; ++i) {
+    squares[i] = (paths.laser[i] - map * paths.visual[i]).squaredNorm();
+    above += squares[i] >= bound ? 1 : 0;
+  }
+  if (above > most_above) return std::nullopt;
+  const double sigma = sigma_of(squares, floor);
+  return sigma < best ? std::optional(sigma) : std::nullopt;
+}
+
+/// Mean of the squared residuals, each cut off at `bound`; infinite as soon as it is known to be above `limit`.
+double truncated_loss(const CentredPaths& paths, const PlanarAffine& map, double bound,
+                      double limit = std::numeric_limits<double>::infinity()) {
+  const double count = static_cast<double>(paths.laser.size());
   double sum = 0.0;
   for (std::size_t i = 0; i < paths.laser.size(); ++i) {
     sum += std::min((paths.laser[i] - map * paths.visual[i]).squaredNorm(), bound);
+    if (sum > limit * count) return std::numeric_limits<double>::infinity();
   }
-  return sum / static_cast<double>(paths.laser.size());
+  return sum / count;
 }
 
 /// How the six numbers of an affine map follow from the model's own.
@@ -298,7 +321,7 @@ double runner_up_loss(const CentredPaths& scored, const std::vector<PlanarAffine
   };
   for (const PlanarAffine& map : hypotheses) {
     if (!separated(map)) continue;
-    const double loss = truncated_loss(scored, map, bound);
+    const double loss = truncated_loss(scored, map, bound, smallest);
     if (loss < smallest) {
       smallest = loss;
       runner_up = map;
@@ -340,10 +363,8 @@ std::optional<RobustFit> fit_robust(const std::vector<PosePair>& pairs, RobustMo
   double sigma = std::numeric_limits<double>::infinity();
   std::vector<double> squares;
   for (const PlanarAffine& map : hypotheses) {
-    squared_residuals(scored, map, squares);
-    const double candidate = sigma_of(squares, sigma_floor);
-    if (candidate < sigma) {
-      sigma = candidate;
+    if (const auto candidate = sigma_below(scored, map, sigma, sigma_floor, squares)) {
+      sigma = *candidate;
       best = map;
     }
   }

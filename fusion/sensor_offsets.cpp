@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -39,53 +40,56 @@ using Vector = Eigen::Matrix<double, kParameters, 1>;
 using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
 using Row = Eigen::Matrix<double, 1, kParameters>;
 
-/// How far the body turned over kTurnTime about a stamp.
-std::optional<double> turn_at(const Trajectory2& trajectory, Nanoseconds stamp, Nanoseconds max_gap) {
-  const Nanoseconds half = common::from_seconds(kTurnTime / 2.0);
-  const auto before = common::pose_at(trajectory, stamp - half, max_gap);
-  const auto after = common::pose_at(trajectory, stamp + half, max_gap);
-  if (!before || !after) return std::nullopt;
-  return angle_difference(after->theta, before->theta);
-}
+/// How far the body turned over kTurnTime about moments that come in rising order.
+class Turns {
+ public:
+  Turns(const Trajectory2& trajectory, Nanoseconds max_gap)
+      : before_(trajectory, max_gap), after_(trajectory, max_gap) {}
 
-struct Turn {
-  Nanoseconds stamp = 0;
-  double angle = 0.0;  ///< [rad]
+  std::optional<double> at(Nanoseconds stamp) {
+    const Nanoseconds half = common::from_seconds(kTurnTime / 2.0);
+    const auto before = before_.at(stamp - half);
+    const auto after = after_.at(stamp + half);
+    if (!before || !after) return std::nullopt;
+    return angle_difference(after->theta, before->theta);
+  }
+
+ private:
+  common::PoseCursor before_;
+  common::PoseCursor after_;
 };
 
-/// How badly the laser's turns fit when `offset` is added to the visual stamps: a truncated mean of absolute
-/// differences.
-double turn_misfit(const Trajectory2& laser, const std::vector<Turn>& turns, double offset, Nanoseconds max_gap) {
-  std::vector<double> misfits;
-  misfits.reserve(turns.size());
-  for (const Turn& turn : turns) {
-    const auto angle = turn_at(laser, turn.stamp + common::from_seconds(offset), max_gap);
-    if (angle) misfits.push_back(std::abs(angle_difference(*angle, turn.angle)));
-  }
+/// A truncated mean: a tenth may be outliers, e.g. steps of one map.
+double mean_misfit(std::vector<double>& misfits) {
   if (misfits.size() < kFewestMoments) return std::numeric_limits<double>::infinity();
-  // A tenth may be outliers, e.g. steps of one map.
   const auto kept = static_cast<std::ptrdiff_t>(misfits.size() - misfits.size() / 10);
   std::nth_element(misfits.begin(), misfits.begin() + kept - 1, misfits.end());
-  double sum = 0.0;
-  for (auto it = misfits.begin(); it != misfits.begin() + kept; ++it) sum += *it;
-  return sum / static_cast<double>(kept);
+  return std::accumulate(misfits.begin(), misfits.begin() + kept, 0.0) / static_cast<double>(kept);
 }
 
+/// The offset that, added to the visual stamps, makes the laser's turns fit best.
 std::optional<double> search_clock_offset(const Trajectory2& laser, const Trajectory2& visual,
                                           const Trajectory2& moments, Nanoseconds max_gap, double most) {
-  std::vector<Turn> turns;
-  for (const auto& moment : evenly_spread(moments, kMostTurns)) {
-    if (const auto angle = turn_at(visual, moment.stamp, max_gap)) turns.push_back({moment.stamp, *angle});
-  }
   const int steps = static_cast<int>(std::ceil(most / kSearchStep));
+  const auto offset = [&](std::size_t n) { return kSearchStep * (static_cast<int>(n) - steps); };
+  std::vector<std::vector<double>> misfits(static_cast<std::size_t>(2 * steps + 1));
+  Turns laser_turns(laser, max_gap);
+  Turns visual_turns(visual, max_gap);
+  for (const auto& moment : evenly_spread(moments, kMostTurns)) {
+    const auto turn = visual_turns.at(moment.stamp);
+    if (!turn) continue;
+    for (std::size_t n = 0; n < misfits.size(); ++n) {
+      const auto other = laser_turns.at(moment.stamp + common::from_seconds(offset(n)));
+      if (other) misfits[n].push_back(std::abs(angle_difference(*other, *turn)));
+    }
+  }
   std::optional<double> best;
   double smallest = std::numeric_limits<double>::infinity();
-  for (int n = -steps; n <= steps; ++n) {
-    const double offset = n * kSearchStep;
-    const double misfit = turn_misfit(laser, turns, offset, max_gap);
+  for (std::size_t n = 0; n < misfits.size(); ++n) {
+    const double misfit = mean_misfit(misfits[n]);
     if (misfit < smallest) {
       smallest = misfit;
-      best = offset;
+      best = offset(n);
     }
   }
   return best;
@@ -97,13 +101,12 @@ struct Moment {
   Eigen::Matrix<double, 3, kParameters> jacobian;
 };
 
-std::optional<Moment> moment_of(const Trajectory2& laser, const common::StampedPose2& visual, const Vector& x,
-                                Nanoseconds max_gap) {
+std::optional<Moment> moment_of(common::PoseCursor& laser, const common::StampedPose2& visual, const Vector& x) {
   const Nanoseconds then = visual.stamp + common::from_seconds(x[kClock]);
   const Nanoseconds half = common::from_seconds(kTurnTime / 4.0);
-  const auto at = common::pose_at(laser, then, max_gap);
-  const auto before = common::pose_at(laser, then - half, max_gap);
-  const auto after = common::pose_at(laser, then + half, max_gap);
+  const auto before = laser.at(then - half);
+  const auto at = laser.at(then);
+  const auto after = laser.at(then + half);
   if (!at || !before || !after) return std::nullopt;
   const double seconds = common::to_seconds(2 * half);
   const Eigen::Vector2d speed = (after->translation() - before->translation()) / seconds;
@@ -134,8 +137,9 @@ std::vector<Moment> moments_of(const Trajectory2& laser, const Trajectory2& visu
                                Nanoseconds max_gap) {
   std::vector<Moment> moments;
   moments.reserve(visual.size());
+  common::PoseCursor places(laser, max_gap);
   for (const auto& pose : visual) {
-    if (const auto moment = moment_of(laser, pose, x, max_gap)) moments.push_back(*moment);
+    if (const auto moment = moment_of(places, pose, x)) moments.push_back(*moment);
   }
   return moments;
 }

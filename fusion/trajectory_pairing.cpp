@@ -7,10 +7,11 @@ namespace slamfuse::fusion {
 namespace {
 
 common::Trajectory2 usable(const common::Trajectory2& trajectory) {
+  const auto is_finite = [](const common::StampedPose2& pose) { return pose.pose.is_finite(); };
+  if (std::all_of(trajectory.begin(), trajectory.end(), is_finite)) return common::sorted_by_stamp(trajectory);
   common::Trajectory2 finite;
   finite.reserve(trajectory.size());
-  std::copy_if(trajectory.begin(), trajectory.end(), std::back_inserter(finite),
-               [](const common::StampedPose2& pose) { return pose.pose.is_finite(); });
+  std::copy_if(trajectory.begin(), trajectory.end(), std::back_inserter(finite), is_finite);
   return common::sorted_by_stamp(finite);
 }
 
@@ -36,8 +37,9 @@ std::vector<PosePair> pair_trajectories(const common::Trajectory2& laser, const 
   const common::Trajectory2& sampled = at_laser_stamps ? sorted_laser : sorted_visual;
   const common::Trajectory2& interpolated = at_laser_stamps ? sorted_visual : sorted_laser;
   pairs.reserve(sampled.size());
+  common::PoseCursor others(interpolated, max_gap);
   for (const common::StampedPose2& pose : sampled) {
-    const auto other = common::pose_at(interpolated, pose.stamp, max_gap);
+    const auto other = others.at(pose.stamp);
     if (!other) continue;
     pairs.push_back(at_laser_stamps ? PosePair{pose.stamp, pose.pose, *other}
                                     : PosePair{pose.stamp, *other, pose.pose});

@@ -2,6 +2,7 @@
 #include "common/trajectory.hpp"
 
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -68,6 +69,22 @@ TEST_F(PoseAt, GivesNothingOutsideTheTrajectory) {
   EXPECT_FALSE(pose_at(trajectory_, 99, 1000).has_value());
   EXPECT_FALSE(pose_at(trajectory_, 1001, 1000).has_value());
   EXPECT_FALSE(pose_at({}, 100, 1000).has_value());
+}
+
+TEST_F(PoseAt, OfACursorIsThatOfASearchInWhateverOrder) {
+  PoseCursor cursor(trajectory_, 400);
+  std::minstd_rand random(1);
+  for (int n = 0; n < 2000; ++n) {
+    const auto stamp = static_cast<Nanoseconds>(n % 3 == 0 ? random() % 1200 : n % 1200);
+    const auto searched = pose_at(trajectory_, stamp, 400);
+    const auto found = cursor.at(stamp);
+    ASSERT_EQ(found.has_value(), searched.has_value()) << stamp;
+    if (found) {
+      EXPECT_EQ(found->vector(), searched->vector()) << stamp;
+    }
+  }
+  const Trajectory2 empty;
+  EXPECT_FALSE(PoseCursor(empty, 400).at(100).has_value());
 }
 
 }  // namespace

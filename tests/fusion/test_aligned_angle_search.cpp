@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fusion/aligned_angle_search.hpp"
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "common/angle.hpp"
 #include "fusion/synthetic_trajectory.hpp"
@@ -31,8 +33,9 @@ struct Angles {
   double loss = std::numeric_limits<double>::infinity();
 };
 
-/// Algorithm 1 word by word: both loops in full, no bound.
-Angles exhaustive(const Points& laser, const Points& visual, int laser_end, int step_deg) {
+/// Algorithm 1 word by word: both loops in full, no bound; over the pairs of angles that `admit` lets pass.
+template <class Admit>
+Angles exhaustive(const Points& laser, const Points& visual, int laser_end, int step_deg, const Admit& admit) {
   const auto images = [&](const Points& points, int end) {
     std::vector<Points> result;
     for (int degrees = 0; degrees < end; degrees += step_deg) {
@@ -47,7 +50,9 @@ Angles exhaustive(const Points& laser, const Points& visual, int laser_end, int 
     for (std::size_t v = 0; v < visual_images.size(); ++v) {
       double sum = 0.0;
       for (std::size_t i = 0; i < laser.size(); ++i) sum += (laser_images[l][i] - visual_images[v][i]).norm();
-      if (sum < best.loss) best = {static_cast<int>(l) * step_deg, static_cast<int>(v) * step_deg, sum};
+      const int laser_degrees = static_cast<int>(l) * step_deg;
+      const int visual_degrees = static_cast<int>(v) * step_deg;
+      if (sum < best.loss && admit(laser_degrees, visual_degrees)) best = {laser_degrees, visual_degrees, sum};
     }
   }
   best.loss /= static_cast<double>(laser.size());
@@ -61,6 +66,22 @@ struct Drive {
   double noise;
   double outliers;
 };
+
+Angles exhaustive(const Points& laser, const Points& visual, int laser_end, int step_deg) {
+  return exhaustive(laser, visual, laser_end, step_deg, [](int, int) { return true; });
+}
+
+/// The rotation nearest to the affine map between the two images turned by these angles.
+double implied_rotation(const Points& laser, const Points& visual, int laser_degrees, int visual_degrees) {
+  const auto turned_and_filled = [](const Points& points, int degrees) -> Eigen::Matrix2d {
+    const Eigen::Matrix4d rotation = aligned_angle_rotation(common::to_radians(degrees));
+    const auto fill = trajectory_image_matrix(transformed(points, rotation), kSize, ImagePlane::kKeep);
+    return (*fill * rotation).topLeftCorner<2, 2>();
+  };
+  const Eigen::Matrix2d m =
+      turned_and_filled(laser, laser_degrees).inverse() * turned_and_filled(visual, visual_degrees);
+  return std::atan2(m(1, 0) - m(0, 1), m(0, 0) + m(1, 1));
+}
 
 class AlignedAngleSearch : public testing::TestWithParam<Drive> {};
 
@@ -84,7 +105,25 @@ TEST_P(AlignedAngleSearch, EqualsTheExhaustiveSearchOnAOneDegreeGrid) {
 
 INSTANTIATE_TEST_SUITE_P(Drives, AlignedAngleSearch,
                          testing::Values(Drive{37.0, 2.0, 2.0, 0.01, 0.0}, Drive{-110.0, 0.3, 0.4, 0.03, 0.0},
-                                         Drive{180.0, 1.0, 1.3, 0.02, 0.2}, Drive{5.0, 4.0, 4.1, 0.5, 0.4}));
+                                         Drive{180.0, 1.0, 1.3, 0.02, 0.2}, Drive{5.0, 4.0, 4.1, 0.5, 0.4},
+                                         Drive{37.0, 2.0, 2.1, 0.01, 0.1}));
+
+TEST(AlignedAngleSearchRunnerUp, EqualsTheExhaustiveSearchOnAGridThreeTimesAsCoarse) {
+  const auto laser_path = flat_path(150);
+  const auto path = visual_path(laser_path, stretched_map(37.0, 2.0, 2.1, 1.0, -2.0), 0.01, 0.1, 7);
+  const Points laser = filled(positions(laser_path));
+  const Points visual = filled(positions(path));
+
+  const auto fast = search_aligned_angles(laser, visual, kSize, common::to_radians(1.0), kSeparation);
+  ASSERT_TRUE(fast.has_value());
+  const auto best = implied_rotation(laser, visual, static_cast<int>(std::lround(common::to_degrees(fast->laser))),
+                                     static_cast<int>(std::lround(common::to_degrees(fast->visual))));
+  const Angles plain = exhaustive(laser, visual, 90, 3, [&](int l, int v) {
+    return std::abs(common::angle_difference(implied_rotation(laser, visual, l, v), best)) > kSeparation;
+  });
+
+  EXPECT_NEAR(fast->runner_up_loss, plain.loss, 1e-7 * kSize);
+}
 
 TEST(AlignedAngleSearchRange, AQuarterTurnOfTheLaserCoversAllFour) {
   const auto laser_path = flat_path(120);
