@@ -27,6 +27,11 @@ Pose2 to_pose2(const Pose3& pose) {
   return {pose.translation.x(), pose.translation.y(), normalize_angle(std::atan2(forward.y(), forward.x()))};
 }
 
+Pose3 interpolate(const Pose3& a, const Pose3& b, double fraction) {
+  return {a.translation + fraction * (b.translation - a.translation),
+          a.rotation.slerp(fraction, b.rotation).normalized()};
+}
+
 std::optional<Pose3> pose3_from_matrix(const Eigen::Matrix4d& matrix) {
   constexpr double kTolerance = 1e-3;
   if (!matrix.allFinite() || (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > kTolerance) return std::nullopt;

@@ -27,6 +27,9 @@ Pose3 to_pose3(const Pose2& pose);
 /// Position and yaw of a pose in a z-up frame; roll, pitch and height are dropped.
 Pose2 to_pose2(const Pose3& pose);
 
+/// The pose at `fraction` of the way from a (0) to b (1): position linear, rotation about one axis (slerp).
+Pose3 interpolate(const Pose3& a, const Pose3& b, double fraction);
+
 /// From a row-major 4x4 homogeneous matrix. Returns nothing when the last row is not (0, 0, 0, 1), the 3x3 part is not
 /// a rotation within 1e-3, or a number is not finite. The rotation is re-orthonormalised (printed matrices are
 /// rounded).

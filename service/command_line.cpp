@@ -122,6 +122,12 @@ CLI::Validator whole_number() {
       "UINT");
 }
 
+/// What --visual-odometry off means: a motion that needs none, the configured one if it is such.
+void withhold_odometry(visual_slam::MotionOptions& motion) {
+  if (motion.model != visual_slam::MotionModelKind::kOdometry) return;
+  motion.model = visual_slam::MotionModelKind::kConstantVelocity;
+}
+
 class RunFlags {
  public:
   explicit RunFlags(CLI::App& app) : command_(app.add_subcommand("run", "Laser and visual SLAM side by side, fused")) {
@@ -192,9 +198,7 @@ class RunFlags {
     request_.recording_options = std::move(*recording);
     request_.sweep_duration = std::move(*sweep);
     request_.configuration = *configuration;
-    if (visual_odometry_ == "off") {
-      request_.configuration.visual.motion.model = visual_slam::MotionModelKind::kConstantVelocity;
-    }
+    if (visual_odometry_ == "off") withhold_odometry(request_.configuration.visual.motion);
     request_.arrival_delay = *delay;
     request_.stamp_offset = *offset;
     request_.to = to_;
@@ -268,9 +272,7 @@ class ServeFlags {
     auto recording = recording_.read();
     if (!recording) return tl::unexpected(recording.error());
     run.configuration = *configuration;
-    if (visual_odometry_ == "off") {
-      run.configuration.visual.motion.model = visual_slam::MotionModelKind::kConstantVelocity;
-    }
+    if (visual_odometry_ == "off") withhold_odometry(run.configuration.visual.motion);
     if (map_) run.map = *map_;
     run.threads = all_threads();
     request_.source.topics = std::move(recording->topics);

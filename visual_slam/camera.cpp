@@ -21,11 +21,10 @@ double Camera::row_delay(const Eigen::Vector2d& pixel) const {
   return calibration.readout * ((pixel.y() + 0.5) / calibration.height - 0.5);
 }
 
-Bearing make_bearing(const Camera& camera, const Eigen::Vector2d& pixel, double pixel_sigma,
-                     const Eigen::Vector3d& twist) {
+Bearing make_bearing(const Camera& camera, const Eigen::Vector2d& pixel, double pixel_sigma, const BodyTwist& twist) {
   return {.point = camera.calibration.undistort(pixel),
           .sigma = pixel_sigma / camera.focal_length,
-          .row_shift = common::exp_se2(twist * camera.row_delay(pixel))};
+          .row_shift = displacement(twist, camera.row_delay(pixel))};
 }
 
 }  // namespace slamfuse::visual_slam

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "common/calibration.hpp"
-#include "common/pose2.hpp"
+#include "visual_slam/body_pose.hpp"
 
 namespace slamfuse::visual_slam {
 
@@ -32,11 +32,10 @@ struct Bearing {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();  ///< normalised undistorted image point (x/z, y/z)
   double sigma = 0.002;                             ///< standard deviation of each coordinate
   /// base_link at the exposure of this very row, in base_link at the image's stamp (rolling shutter).
-  common::Pose2 row_shift;
+  BodyPose row_shift;
 };
 
-/// The bearing of a pixel; `twist` (m/s, m/s, rad/s) is how base_link moves at the image's stamp.
-Bearing make_bearing(const Camera& camera, const Eigen::Vector2d& pixel, double pixel_sigma,
-                     const Eigen::Vector3d& twist);
+/// The bearing of a pixel; `twist` is how base_link moves at the image's stamp.
+Bearing make_bearing(const Camera& camera, const Eigen::Vector2d& pixel, double pixel_sigma, const BodyTwist& twist);
 
 }  // namespace slamfuse::visual_slam

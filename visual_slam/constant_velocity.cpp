@@ -27,7 +27,8 @@ bool ConstantVelocity::predict(State& state, BlockId robot, BlockId parameters, 
   const JacobianPart<Eigen::Dynamic> same[] = {{parameters, Eigen::Matrix4d::Identity()}};
   state.transform(parameters, Eigen::VectorXd(state.mean(parameters)), BlockKind::kVelocity, same, change.asDiagonal());
 
-  const Eigen::Vector3d way = dt * *twist(state, parameters);
+  const Eigen::Vector3d way =
+      dt * Eigen::Vector3d(state.mean(parameters)[kSpeed], 0.0, state.mean(parameters)[kTurnRate]);
   const common::Pose2 pose{state.mean(robot)[0], state.mean(robot)[1], state.mean(robot)[2]};
   const common::Pose2 increment = common::exp_se2(way);
   const common::ComposeJacobians compose = common::compose_jacobians(pose, increment);
@@ -46,8 +47,8 @@ double ConstantVelocity::lever_scale(const State& state, BlockId parameters) con
   return std::exp(state.mean(parameters)[kLeverScale]);
 }
 
-std::optional<Eigen::Vector3d> ConstantVelocity::twist(const State& state, BlockId parameters) const {
-  return Eigen::Vector3d(state.mean(parameters)[kSpeed], 0.0, state.mean(parameters)[kTurnRate]);
+std::optional<BodyTwist> ConstantVelocity::twist(const State& state, BlockId parameters) const {
+  return BodyTwist({state.mean(parameters)[kSpeed], 0.0, 0.0}, {0.0, 0.0, state.mean(parameters)[kTurnRate]});
 }
 
 }  // namespace slamfuse::visual_slam

@@ -23,7 +23,7 @@ class ConstantVelocity : public MotionModel {
   bool is_metric() const override { return false; }
   double lever_scale(const State& state, BlockId parameters) const override;
   std::optional<int> lever_scale_index() const override { return kLeverScale; }
-  std::optional<Eigen::Vector3d> twist(const State& state, BlockId parameters) const override;
+  std::optional<BodyTwist> twist(const State& state, BlockId parameters) const override;
 
  private:
   static constexpr int kSpeed = 1;

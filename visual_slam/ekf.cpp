@@ -7,21 +7,16 @@
 
 #include <Eigen/Cholesky>
 
-#include "common/angle.hpp"
 #include "visual_slam/consensus.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
-
-constexpr double kFirstPoseSigma = 1e-4;  // [m], [rad]: the map frame is the first pose, so it is known
 
 constexpr double kImpossible = 3.0;   // standard deviations an inverse depth may be below 0: cutting at 0 would keep
                                       // only the landmarks that seem too near and so shrink the map
 constexpr double kBlindness = 100.0;  // times the noise of a bearing, along a parallax that must not count
 
 double square(double value) { return value * value; }
-
-common::Pose2 to_pose(const Eigen::Vector3d& v) { return {v.x(), v.y(), common::normalize_angle(v.z())}; }
 
 /// S = H P H^T + R from P H^T.
 Eigen::MatrixXd innovation_covariance(const State& state, std::span<const LinearMeasurement> measurements,
@@ -45,25 +40,21 @@ Eigen::VectorXd stacked_residuals(std::span<const LinearMeasurement> measurement
 
 Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion)
     : options_(filter), motion_(make_motion_model(motion)) {
-  robot_ = state_.append(Eigen::Vector3d::Zero(), BlockKind::kPose, {},
-                         square(kFirstPoseSigma) * Eigen::Matrix3d::Identity());
+  robot_ = motion_->append_robot(state_);
   motion_parameters_ = motion_->append_parameters(state_);
 }
-
-common::Pose2 Ekf::pose() const { return to_pose(state_.mean(robot_)); }
-Eigen::Matrix3d Ekf::pose_covariance() const { return state_.covariance(robot_, robot_); }
-common::Pose2 Ekf::past_pose(const PastPose& past) const { return to_pose(state_.mean(past.block)); }
 
 void Ekf::predict(const MotionStep& step) {
   if (motion_->predict(state_, robot_, motion_parameters_, step)) moved_ = true;
 }
 
 std::optional<Projection> Ekf::project(const Camera& camera, const FilterLandmark& landmark,
-                                       const common::Pose2& row_shift) const {
+                                       const BodyPose& row_shift) const {
   const Eigen::Vector3d numbers = state_.mean(landmark.block);
-  if (!landmark.anchored) return project_cartesian(camera, row_shift, pose(), numbers, lever_scale());
-  return project_anchored(camera, row_shift, pose(), landmark.anchor, to_pose(state_.mean(landmark.anchor_pose)),
-                          numbers, lever_scale());
+  const BodyPose robot = body_pose(state_, robot_);
+  if (!landmark.anchored) return project_cartesian(camera, row_shift, robot, numbers, lever_scale());
+  return project_anchored(camera, row_shift, robot, landmark.anchor, body_pose(state_, landmark.anchor_pose), numbers,
+                          lever_scale());
 }
 
 std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Measurement& measurement) const {
@@ -73,8 +64,8 @@ std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Meas
   LinearMeasurement linear;
   linear.residual = measurement.bearing.point - projection->point;
   linear.noise = square(measurement.bearing.sigma) * Eigen::Matrix2d::Identity();
-  linear.jacobian.push_back({robot_, projection->wrt_robot});
-  if (landmark.anchored) linear.jacobian.push_back({landmark.anchor_pose, projection->wrt_anchor});
+  linear.jacobian.push_back(pose_part(state_, robot_, projection->wrt_robot));
+  if (landmark.anchored) linear.jacobian.push_back(pose_part(state_, landmark.anchor_pose, projection->wrt_anchor));
   if (std::optional<JacobianPart<2>> lever = lever_part(projection->wrt_lever_scale)) {
     linear.jacobian.push_back(std::move(*lever));
   }
@@ -91,13 +82,13 @@ std::optional<JacobianPart<2>> Ekf::lever_part(const Eigen::Vector2d& wrt_lever_
 }
 
 std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId landmark,
-                                               const common::Pose2& row_shift) const {
+                                               const BodyPose& row_shift) const {
   const FilterLandmark& entry = landmarks_.at(landmark);
   const std::optional<Projection> projection = project(camera, entry, row_shift);
   if (!projection) return std::nullopt;
-  std::vector<std::pair<BlockId, Eigen::Matrix<double, 2, 3>>> parts = {{robot_, projection->wrt_robot},
-                                                                        {entry.block, projection->wrt_landmark}};
-  if (entry.anchored) parts.emplace_back(entry.anchor_pose, projection->wrt_anchor);
+  std::vector<JacobianPart<2>> parts = {pose_part(state_, robot_, projection->wrt_robot),
+                                        {entry.block, projection->wrt_landmark}};
+  if (entry.anchored) parts.push_back(pose_part(state_, entry.anchor_pose, projection->wrt_anchor));
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
   for (const auto& [row, by_row] : parts) {
     for (const auto& [column, by_column] : parts) {
@@ -187,7 +178,7 @@ UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> meas
     });
     const Eigen::MatrixXd gain_side = state_.covariance_times_jacobian(linear);
     const Eigen::LLT<Eigen::MatrixXd> llt(innovation_covariance(state_, linear, gain_side));
-    const Eigen::VectorXd back_to_prior = prior - state_.mean();
+    const Eigen::VectorXd back_to_prior = state_.error_given(prior);
     const Eigen::VectorXd residual = stacked_residuals(linear) - state_.jacobian_times(linear, back_to_prior);
     const Eigen::VectorXd step = back_to_prior + gain_side * llt.solve(residual);
     if (iteration + 1 == options_.iterations) {
@@ -205,8 +196,7 @@ UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> meas
 
 PastPose& Ekf::past_pose_now(common::Nanoseconds stamp) {
   if (past_poses_.empty() || moved_ || past_poses_.back().stamp != stamp) {
-    const JacobianPart<Eigen::Dynamic> copy[] = {{robot_, Eigen::Matrix3d::Identity()}};
-    const BlockId block = state_.append(state_.mean(robot_), BlockKind::kPose, copy, Eigen::Matrix3d::Zero());
+    const BlockId block = append_copy(state_, robot_);
     past_poses_.push_back({.block = block, .stamp = stamp, .keyframe = false, .anchored = 0});
     moved_ = false;
   }
@@ -237,12 +227,13 @@ std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const Landm
     const double sigma = std::sqrt(std::max(0.0, state_.covariance(landmark.block, landmark.block)(2, 2)));
     if (numbers.z() < -kImpossible * sigma) impossible.push_back(id);
     if (numbers.z() <= 0.0) continue;
-    const common::Pose2 anchor_pose = to_pose(state_.mean(landmark.anchor_pose));
+    const BodyPose anchor_pose = body_pose(state_, landmark.anchor_pose);
     const CartesianPoint point = to_cartesian(landmark.anchor, anchor_pose, numbers, lever_scale());
     const double index = linearity_index(optical_centre(*landmark.anchor.camera, anchor_pose, lever_scale()),
                                          camera_centre(camera), point.position, numbers.z(), sigma);
     if (index > options_.linearity_index) continue;
-    std::vector<JacobianPart<Eigen::Dynamic>> parts = {{landmark.anchor_pose, point.wrt_anchor},
+    const JacobianPart<3> by_anchor = pose_part(state_, landmark.anchor_pose, point.wrt_anchor);
+    std::vector<JacobianPart<Eigen::Dynamic>> parts = {{by_anchor.block, by_anchor.matrix},
                                                        {landmark.block, point.wrt_landmark}};
     if (const std::optional<int> column = motion_->lever_scale_index()) {
       parts.push_back({motion_parameters_, Eigen::MatrixXd::Zero(3, state_.mean(motion_parameters_).size())});
@@ -303,7 +294,7 @@ std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen
     if (landmark.anchored) without_depth.push_back(id);
   }
   remove(without_depth);
-  state_.transform(robot_, new_pose.vector(), BlockKind::kPose, {}, covariance);
+  set_planar_pose(state_, robot_, new_pose, covariance);
   moved_ = true;
   return without_depth;
 }
@@ -319,7 +310,7 @@ std::optional<Eigen::Vector3d> Ekf::likely_position(LandmarkId landmark) const {
   const Eigen::Vector3d numbers = state_.mean(entry.block);
   if (!entry.anchored) return numbers;
   if (numbers.z() <= 0.0) return std::nullopt;
-  return to_cartesian(entry.anchor, to_pose(state_.mean(entry.anchor_pose)), numbers, lever_scale()).position;
+  return to_cartesian(entry.anchor, body_pose(state_, entry.anchor_pose), numbers, lever_scale()).position;
 }
 
 }  // namespace slamfuse::visual_slam

@@ -11,10 +11,12 @@
 #include <Eigen/Core>
 
 #include "common/pose2.hpp"
+#include "common/pose3.hpp"
 #include "common/time.hpp"
 #include "visual_slam/camera.hpp"
 #include "visual_slam/motion_model.hpp"
 #include "visual_slam/options.hpp"
+#include "visual_slam/pose_block.hpp"
 #include "visual_slam/projection.hpp"
 #include "visual_slam/state.hpp"
 
@@ -61,19 +63,25 @@ class Ekf {
  public:
   Ekf(const FilterOptions& filter, const MotionOptions& motion);
 
-  common::Pose2 pose() const;
-  Eigen::Matrix3d pose_covariance() const;
+  /// base_link in the plane; of a free camera's pose the part in the plane.
+  common::Pose2 pose() const { return planar_pose(state_, robot_); }
+  Eigen::Matrix3d pose_covariance() const { return planar_covariance(state_, robot_); }
+  /// base_link with height, pitch and roll, which are 0 in a planar filter.
+  common::Pose3 spatial_pose() const { return visual_slam::spatial_pose(state_, robot_); }
   /// The numbers of the motion model: for odometry, the OdometryCalibration.
   Eigen::VectorXd motion_parameters() const { return state_.mean(motion_parameters_); }
   /// How base_link moves, where the motion model knows it.
-  std::optional<Eigen::Vector3d> twist() const { return motion_->twist(state_, motion_parameters_); }
+  std::optional<BodyTwist> twist() const { return motion_->twist(state_, motion_parameters_); }
   /// How many units of the map a metre is.
   double lever_scale() const { return motion_->lever_scale(state_, motion_parameters_); }
   /// Optical centre of a camera in the map.
-  Eigen::Vector3d camera_centre(const Camera& camera) const { return optical_centre(camera, pose(), lever_scale()); }
+  Eigen::Vector3d camera_centre(const Camera& camera) const {
+    return optical_centre(camera, body_pose(state_, robot_), lever_scale());
+  }
   const State& state() const { return state_; }
   const std::vector<PastPose>& past_poses() const { return past_poses_; }
-  common::Pose2 past_pose(const PastPose& past) const;
+  common::Pose2 past_pose(const PastPose& past) const { return planar_pose(state_, past.block); }
+  common::Pose3 spatial_past_pose(const PastPose& past) const { return visual_slam::spatial_pose(state_, past.block); }
   bool has(LandmarkId landmark) const { return landmarks_.contains(landmark); }
   std::size_t landmark_count() const { return landmarks_.size(); }
   bool is_cartesian(LandmarkId landmark) const { return !landmarks_.at(landmark).anchored; }
@@ -81,8 +89,7 @@ class Ekf {
   /// Moves the robot as the motion model says.
   void predict(const MotionStep& step);
   /// Where a landmark should appear in an image taken now; empty when it is behind the camera.
-  std::optional<Prediction> predict_bearing(const Camera& camera, LandmarkId landmark,
-                                            const common::Pose2& row_shift) const;
+  std::optional<Prediction> predict_bearing(const Camera& camera, LandmarkId landmark, const BodyPose& row_shift) const;
   /// Corrects everything by the bearings of one image. Bearings that do not fit are left out (find_consensus).
   ///
   /// While the depth of a landmark is poorly known, only the part of its bearing across the epipolar line corrects the
@@ -100,7 +107,8 @@ class Ekf {
 
   /// Keeps the current pose for the final trajectory. Over `max_keyframes` the one that is missed least goes.
   void add_keyframe(common::Nanoseconds stamp, int max_keyframes);
-  /// Replaces the robot's pose; it knows nothing of the landmarks any more, and landmarks without depth go.
+  /// Replaces the robot's pose in the plane; it knows nothing of the landmarks any more, and landmarks without depth
+  /// go.
   std::vector<LandmarkId> set_pose(const common::Pose2& pose, const Eigen::Matrix3d& covariance);
 
   /// Place of a landmark with known depth (Cartesian).
@@ -118,7 +126,7 @@ class Ekf {
   };
 
   std::optional<Projection> project(const Camera& camera, const FilterLandmark& landmark,
-                                    const common::Pose2& row_shift) const;
+                                    const BodyPose& row_shift) const;
   std::optional<LinearMeasurement> linearise(const Camera& camera, const Measurement& measurement) const;
   std::optional<JacobianPart<2>> lever_part(const Eigen::Vector2d& wrt_lever_scale) const;
   std::vector<bool> which_depths_count(std::span<const Measurement> measurements,

@@ -12,7 +12,7 @@
 namespace slamfuse::visual_slam {
 
 std::optional<Eigen::Vector2d> predict_pixel(const Ekf& filter, const Camera& camera, LandmarkId landmark,
-                                             const common::Pose2& row_shift) {
+                                             const BodyPose& row_shift) {
   const std::optional<Prediction> prediction = filter.predict_bearing(camera, landmark, row_shift);
   if (!prediction) return std::nullopt;
   return camera.calibration.project(prediction->point.homogeneous());
@@ -42,7 +42,7 @@ double LandmarkBook::confirm(LandmarkId landmark, common::Nanoseconds stamp) {
   return common::to_seconds(stamp - std::exchange(record.last_seen, stamp));
 }
 
-std::vector<Track> LandmarkBook::recognise(const Ekf& filter, const Camera& camera, const Eigen::Vector3d& twist,
+std::vector<Track> LandmarkBook::recognise(const Ekf& filter, const Camera& camera, const BodyTwist& twist,
                                            const cv::Mat& picture, const std::set<LandmarkId>& followed,
                                            bool count_failures) {
   std::vector<Track> recognised;
@@ -67,7 +67,7 @@ std::vector<Track> LandmarkBook::recognise(const Ekf& filter, const Camera& came
 }
 
 std::optional<RecognitionCandidate> LandmarkBook::candidate(const Ekf& filter, const Camera& camera,
-                                                            const Eigen::Vector3d& twist, LandmarkId landmark) const {
+                                                            const BodyTwist& twist, LandmarkId landmark) const {
   const std::optional<MapPoint> point = filter.map_point(landmark);
   if (!point) return std::nullopt;
   RecognitionCandidate result;
@@ -78,7 +78,7 @@ std::optional<RecognitionCandidate> LandmarkBook::candidate(const Ekf& filter, c
   const double pixel_sigma = options_.filter.pixel_sigma;
   const std::optional<Eigen::Vector2d> rough = predict_pixel(filter, camera, landmark);
   if (!rough || !camera.sees(*rough, border)) return std::nullopt;
-  const common::Pose2 row_shift = make_bearing(camera, *rough, pixel_sigma, twist).row_shift;
+  const BodyPose row_shift = make_bearing(camera, *rough, pixel_sigma, twist).row_shift;
   const std::optional<Prediction> prediction = filter.predict_bearing(camera, landmark, row_shift);
   if (!prediction) return std::nullopt;
   const std::optional<Eigen::Vector2d> pixel = camera.calibration.project(prediction->point.homogeneous());

@@ -36,8 +36,8 @@ class LandmarkBook {
 
   /// Looks in the picture for landmarks of known place that should be in view and are not among `followed`. `twist` as
   /// in make_bearing. Those not found are counted as failures when `count_failures`.
-  std::vector<Track> recognise(const Ekf& filter, const Camera& camera, const Eigen::Vector3d& twist,
-                               const cv::Mat& picture, const std::set<LandmarkId>& followed, bool count_failures);
+  std::vector<Track> recognise(const Ekf& filter, const Camera& camera, const BodyTwist& twist, const cv::Mat& picture,
+                               const std::set<LandmarkId>& followed, bool count_failures);
   /// Takes another look at the landmarks found in a picture.
   void learn_looks(const Ekf& filter, const Camera& camera, const cv::Mat& picture, std::span<const Track> tracks);
 
@@ -57,7 +57,7 @@ class LandmarkBook {
     std::vector<std::uint8_t> descriptor = {};
   };
 
-  std::optional<RecognitionCandidate> candidate(const Ekf& filter, const Camera& camera, const Eigen::Vector3d& twist,
+  std::optional<RecognitionCandidate> candidate(const Ekf& filter, const Camera& camera, const BodyTwist& twist,
                                                 LandmarkId landmark) const;
 
   VisualSlamOptions options_;
@@ -68,6 +68,6 @@ class LandmarkBook {
 
 /// Where a landmark should appear in an image taken now; empty when outside the lens's field of view.
 std::optional<Eigen::Vector2d> predict_pixel(const Ekf& filter, const Camera& camera, LandmarkId landmark,
-                                             const common::Pose2& row_shift = {});
+                                             const BodyPose& row_shift = {});
 
 }  // namespace slamfuse::visual_slam

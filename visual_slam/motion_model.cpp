@@ -6,6 +6,7 @@
 
 #include "common/angle.hpp"
 #include "visual_slam/constant_velocity.hpp"
+#include "visual_slam/free_camera.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -69,6 +70,11 @@ void predict_pose(State& state, BlockId robot, BlockId calibration, const common
                   compose.wrt_b * step.noise * compose.wrt_b.transpose());
 }
 
+BlockId MotionModel::append_robot(State& state) const {
+  return state.append(Eigen::Vector3d::Zero(), BlockKind::kPose, {},
+                      square(kFirstPoseSigma) * Eigen::Matrix3d::Identity());
+}
+
 BlockId OdometryMotion::append_parameters(State& state) const {
   return state.append(Eigen::Vector3d::Zero(), BlockKind::kCalibration, {}, calibration_covariance(options_));
 }
@@ -82,6 +88,7 @@ std::shared_ptr<const MotionModel> make_motion_model(const MotionOptions& option
   if (options.model == MotionModelKind::kConstantVelocity) {
     return std::make_shared<ConstantVelocity>(options.constant_velocity);
   }
+  if (options.model == MotionModelKind::kFreeCamera) return std::make_shared<FreeCamera>(options.free_camera);
   return std::make_shared<OdometryMotion>(options);
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "common/pose2.hpp"
+#include "visual_slam/body_pose.hpp"
 #include "visual_slam/options.hpp"
 #include "visual_slam/state.hpp"
 
@@ -39,11 +40,14 @@ struct MotionStep {
   common::Pose2 odometry;  ///< what the wheel odometry says, for those that use it
 };
 
-/// How the robot moves between images. The filter keeps the model's own numbers in the second block of its state.
+/// How the robot moves between images, and with it whether poses are planar or free: past poses are copies of the
+/// robot's block. The filter keeps the model's own numbers in the second block of its state.
 class MotionModel {
  public:
   virtual ~MotionModel() = default;
 
+  /// Enters the robot's pose at the map's origin, in three numbers unless the model says otherwise.
+  virtual BlockId append_robot(State& state) const;
   /// Enters the model's numbers, whose first is the relative error of the map's scale (see State::correct).
   virtual BlockId append_parameters(State& state) const = 0;
   /// Moves the robot's block. Returns whether the pose may have changed.
@@ -55,8 +59,11 @@ class MotionModel {
   /// Which of the numbers is the logarithm of lever_scale; empty when it is no number but known.
   virtual std::optional<int> lever_scale_index() const = 0;
   /// How base_link moves (units of the map a second, rad/s); empty when the numbers do not say.
-  virtual std::optional<Eigen::Vector3d> twist(const State& state, BlockId parameters) const = 0;
+  virtual std::optional<BodyTwist> twist(const State& state, BlockId parameters) const = 0;
 };
+
+/// Standard deviation [m], [rad] of the first pose. The map frame is the first pose, so it is known.
+inline constexpr double kFirstPoseSigma = 1e-4;
 
 /// Planar motion measured by wheel odometry; its numbers are the OdometryCalibration.
 class OdometryMotion : public MotionModel {
@@ -68,7 +75,7 @@ class OdometryMotion : public MotionModel {
   bool is_metric() const override { return true; }
   double lever_scale(const State&, BlockId) const override { return 1.0; }
   std::optional<int> lever_scale_index() const override { return std::nullopt; }
-  std::optional<Eigen::Vector3d> twist(const State&, BlockId) const override { return std::nullopt; }
+  std::optional<BodyTwist> twist(const State&, BlockId) const override { return std::nullopt; }
 
  private:
   MotionOptions options_;

@@ -17,6 +17,20 @@ void ConstantVelocityOptions::describe(OptionVisitor& visit) {
              "Uncertainty of the map's unit that all lengths share and no measurement may reduce.");
 }
 
+void FreeCameraOptions::describe(OptionVisitor& visit) {
+  visit.real("initial_speed_sigma", initial_speed_sigma, {0.0, 10.0}, "1/s",
+             "How fast the camera may move along each axis at the start.");
+  visit.real("initial_turn_rate_sigma", initial_turn_rate_sigma, {0.0, 360.0}, "deg/s",
+             "How fast it may be turning about each axis.");
+  visit.real("speed_noise", speed_noise, {0.0, 20.0}, "1/s/sqrt(s)", "How fast the velocity changes along each axis.");
+  visit.real("turn_rate_noise", turn_rate_noise, {0.0, 2000.0}, "deg/s/sqrt(s)",
+             "How fast the turn rate changes about each axis.");
+  visit.real("lever_scale_sigma", lever_scale_sigma, {0.0, 2.0}, "",
+             "Logarithm of how far the map's unit may be from a metre; turns tell, through the camera's lever arm.");
+  visit.real("unit_sigma", unit_sigma, {0.0, 0.5}, "",
+             "Uncertainty of the map's unit that all lengths share and no measurement may reduce.");
+}
+
 void TurnSearchOptions::describe(OptionVisitor& visit) {
   visit.real("max_turn", max_turn, {0.0, 90.0}, "deg", "Largest turn that is looked for.");
 }
@@ -24,9 +38,13 @@ void TurnSearchOptions::describe(OptionVisitor& visit) {
 void MotionOptions::describe(OptionVisitor& visit) {
   visit.choice(
       "model", model,
-      {{"odometry", MotionModelKind::kOdometry}, {"constant_velocity", MotionModelKind::kConstantVelocity}},
-      "What says how the robot moves between images: the wheel odometry, or constant speed and turn rate; then the "
-      "map has a scale of its own.");
+      {{"odometry", MotionModelKind::kOdometry},
+       {"constant_velocity", MotionModelKind::kConstantVelocity},
+       {"free_camera", MotionModelKind::kFreeCamera}},
+      "What says how the robot moves between images: the wheel odometry; constant speed and turn rate in the plane; or "
+      "constant velocity and turn rate in space, for hand-held cameras and robots that pitch and roll. Without "
+      "odometry "
+      "the map has a scale of its own.");
   visit.real("distance_noise", distance_noise, {0.0, 1.0}, "m/sqrt(m)",
              "Random error of the wheel odometry along the way, growing with the square root of the distance.");
   visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "m/sqrt(m)", "The same across the way.");
@@ -44,6 +62,7 @@ void MotionOptions::describe(OptionVisitor& visit) {
   visit.real("turn_per_distance_sigma", turn_per_distance_sigma, {0.0, 20.0}, "deg/m",
              "How far the wheel odometry may drift in heading on a straight way.");
   visit.nested("constant_velocity", constant_velocity, "The motion without wheel odometry; lengths in the map's unit.");
+  visit.nested("free_camera", free_camera, "The motion of a free camera; lengths in the map's unit.");
 }
 
 void FrontEndOptions::describe(OptionVisitor& visit) {

@@ -6,7 +6,7 @@
 namespace slamfuse::visual_slam {
 
 /// What says how the robot moves between images.
-enum class MotionModelKind { kOdometry, kConstantVelocity };
+enum class MotionModelKind { kOdometry, kConstantVelocity, kFreeCamera };
 
 /// The motion without wheel odometry. Lengths are in units of the map.
 struct ConstantVelocityOptions {
@@ -15,6 +15,18 @@ struct ConstantVelocityOptions {
   double speed_noise = 0.1;               ///< [1/s / sqrt(s)]
   double turn_rate_noise = 80.0;          ///< [deg/s / sqrt(s)]
   double lateral_noise = 0.01;            ///< [1/sqrt(1)]
+  double lever_scale_sigma = 0.5;
+  double unit_sigma = 0.0;
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// The motion of a free camera. Lengths are in units of the map.
+struct FreeCameraOptions {
+  double initial_speed_sigma = 0.4;       ///< [1/s], each axis
+  double initial_turn_rate_sigma = 40.0;  ///< [deg/s], each axis
+  double speed_noise = 0.2;               ///< [1/s / sqrt(s)], each axis
+  double turn_rate_noise = 60.0;          ///< [deg/s / sqrt(s)], each axis
   double lever_scale_sigma = 0.5;
   double unit_sigma = 0.0;
 
@@ -41,6 +53,7 @@ struct MotionOptions {
   double turn_scale_sigma = 0.03;
   double turn_per_distance_sigma = 1.0;  ///< [deg / m]
   ConstantVelocityOptions constant_velocity;
+  FreeCameraOptions free_camera;
 
   void describe(common::OptionVisitor& visit);
 };

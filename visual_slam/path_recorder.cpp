@@ -6,40 +6,40 @@
 namespace slamfuse::visual_slam {
 namespace {
 
-using common::Pose2;
+using common::Pose3;
 
 /// A pose known well: its place in the path and what the filter and the odometry say of it.
 struct Support {
   std::size_t entry;
-  Pose2 corrected;
+  Pose3 corrected;
 };
 
 }  // namespace
 
-void PathRecorder::add(common::Nanoseconds stamp, const Pose2& odometry, const Pose2& estimate) {
+void PathRecorder::add(common::Nanoseconds stamp, const Pose3& odometry, const Pose3& estimate) {
   entries_.push_back({stamp, segment_, odometry, estimate});
 }
 
 void PathRecorder::freeze(const Ekf& filter) {
-  const common::Trajectory2 believed = path(filter);
+  const common::Trajectory3 believed = path(filter);
   for (std::size_t i = frozen_; i < entries_.size(); ++i) entries_[i].estimate = believed[i].pose;
   frozen_ = entries_.size();
   start_segment();
 }
 
-common::Trajectory2 PathRecorder::path(const Ekf& filter) const {
+common::Trajectory3 PathRecorder::path(const Ekf& filter) const {
   std::vector<Support> supports;
   std::size_t entry = frozen_;
   for (const PastPose& past : filter.past_poses()) {
     if (!past.keyframe) continue;
     while (entry < entries_.size() && entries_[entry].stamp < past.stamp) ++entry;
     if (entry < entries_.size() && entries_[entry].stamp == past.stamp) {
-      supports.push_back({entry, filter.past_pose(past)});
+      supports.push_back({entry, filter.spatial_past_pose(past)});
     }
   }
-  if (entries_.size() > frozen_) supports.push_back({entries_.size() - 1, filter.pose()});
+  if (entries_.size() > frozen_) supports.push_back({entries_.size() - 1, filter.spatial_pose()});
 
-  common::Trajectory2 path;
+  common::Trajectory3 path;
   path.reserve(entries_.size());
   std::size_t next = 0;  // first support at or after the entry
   for (std::size_t i = 0; i < entries_.size(); ++i) {

@@ -16,19 +16,20 @@ namespace slamfuse::visual_slam {
 class PathRecorder {
  public:
   /// An estimate was made; `odometry` is T_odom_base at its stamp.
-  void add(common::Nanoseconds stamp, const common::Pose2& odometry, const common::Pose2& estimate);
+  void add(common::Nanoseconds stamp, const common::Pose3& odometry, const common::Pose3& estimate);
   /// The pose is about to be replaced from outside: nothing is blended across this point.
   void start_segment() { ++segment_; }
   /// The map is about to be forgotten: the path so far stays as `filter` believes it now.
   void freeze(const Ekf& filter);
-  common::Trajectory2 path(const Ekf& filter) const;
+  /// Planar filters keep it in the plane z = 0.
+  common::Trajectory3 path(const Ekf& filter) const;
 
  private:
   struct Entry {
     common::Nanoseconds stamp;
     int segment;
-    common::Pose2 odometry;
-    common::Pose2 estimate;
+    common::Pose3 odometry;
+    common::Pose3 estimate;
   };
 
   std::vector<Entry> entries_;

@@ -9,17 +9,6 @@ namespace {
 
 constexpr double kMinDepth = 1e-3;  // scaled depth below which a point counts as behind the camera
 
-Eigen::Matrix3d turn_about_z(double angle) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
-  return rotation;
-}
-
-Eigen::Vector3d in_plane(const common::Pose2& pose) { return {pose.x, pose.y, 0.0}; }
-
-/// z x v: the derivative of turning v about z.
-Eigen::Vector3d quarter_turn(const Eigen::Vector3d& v) { return {-v.y(), v.x(), 0.0}; }
-
 /// The pinhole: a point g = rho q (q in base_link at the stamp) and its derivatives.
 struct Pinhole {
   Eigen::Vector2d point;
@@ -28,11 +17,11 @@ struct Pinhole {
   Eigen::Vector2d wrt_lever_scale;  ///< while g stays
 };
 
-std::optional<Pinhole> see(const Camera& camera, const common::Pose2& row_shift, const Eigen::Vector3d& g, double rho,
+std::optional<Pinhole> see(const Camera& camera, const BodyPose& row_shift, const Eigen::Vector3d& g, double rho,
                            double lever_scale) {
-  const Eigen::Matrix3d turn = camera.R_base_camera.transpose() * turn_about_z(row_shift.theta).transpose();
+  const Eigen::Matrix3d turn = camera.R_base_camera.transpose() * row_shift.rotation.transpose();
   const Eigen::Vector3d lever = camera.R_base_camera.transpose() * (lever_scale * camera.t_base_camera);
-  const Eigen::Vector3d offset = turn * in_plane(row_shift) + lever;
+  const Eigen::Vector3d offset = turn * row_shift.position + lever;
   const Eigen::Vector3d in_camera = turn * g - rho * offset;
   if (!(in_camera.z() > kMinDepth)) return std::nullopt;
   const Eigen::Vector2d point = in_camera.head<2>() / in_camera.z();
@@ -44,37 +33,35 @@ std::optional<Pinhole> see(const Camera& camera, const common::Pose2& row_shift,
 
 }  // namespace
 
-std::optional<Projection> project_cartesian(const Camera& camera, const common::Pose2& row_shift,
-                                            const common::Pose2& robot, const Eigen::Vector3d& landmark,
-                                            double lever_scale) {
-  const Eigen::Matrix3d to_robot = turn_about_z(robot.theta).transpose();
-  const Eigen::Vector3d in_base = to_robot * (landmark - in_plane(robot));
+std::optional<Projection> project_cartesian(const Camera& camera, const BodyPose& row_shift, const BodyPose& robot,
+                                            const Eigen::Vector3d& landmark, double lever_scale) {
+  const Eigen::Matrix3d to_robot = robot.rotation.transpose();
+  const Eigen::Vector3d in_base = to_robot * (landmark - robot.position);
   const std::optional<Pinhole> seen = see(camera, row_shift, in_base, 1.0, lever_scale);
   if (!seen) return std::nullopt;
   Projection projection;
   projection.point = seen->point;
   projection.wrt_landmark = seen->wrt_scaled_point * to_robot;
-  projection.wrt_robot.leftCols<2>() = -projection.wrt_landmark.leftCols<2>();
-  projection.wrt_robot.col(2) = -seen->wrt_scaled_point * quarter_turn(in_base);
+  projection.wrt_robot.leftCols<3>() = -projection.wrt_landmark;
+  projection.wrt_robot.rightCols<3>() = seen->wrt_scaled_point * (cross_matrix(in_base) * to_robot);
   projection.wrt_anchor.setZero();
   projection.wrt_lever_scale = seen->wrt_lever_scale;
   return projection;
 }
 
-std::optional<Projection> project_anchored(const Camera& camera, const common::Pose2& row_shift,
-                                           const common::Pose2& robot, const Anchor& anchor,
-                                           const common::Pose2& anchor_pose, const Eigen::Vector3d& landmark,
-                                           double lever_scale) {
+std::optional<Projection> project_anchored(const Camera& camera, const BodyPose& row_shift, const BodyPose& robot,
+                                           const Anchor& anchor, const BodyPose& anchor_pose,
+                                           const Eigen::Vector3d& landmark, double lever_scale) {
   const double rho = landmark.z();
-  const Eigen::Matrix3d to_robot = turn_about_z(robot.theta).transpose();
-  const Eigen::Matrix3d anchor_turn = turn_about_z(anchor_pose.theta);
-  const Eigen::Matrix3d row_turn = turn_about_z(anchor.row_shift.theta);
+  const Eigen::Matrix3d to_robot = robot.rotation.transpose();
+  const Eigen::Matrix3d& anchor_turn = anchor_pose.rotation;
+  const Eigen::Matrix3d& row_turn = anchor.row_shift.rotation;
   const Eigen::Matrix3d ray_turn = anchor_turn * row_turn * anchor.camera->R_base_camera;
   const Eigen::Vector3d camera_lever = row_turn * (lever_scale * anchor.camera->t_base_camera);
-  const Eigen::Vector3d lever = anchor_turn * (camera_lever + in_plane(anchor.row_shift));
+  const Eigen::Vector3d lever = anchor_turn * (camera_lever + anchor.row_shift.position);
   const Eigen::Vector3d from_anchor =
       ray_turn * Eigen::Vector3d(landmark.x(), landmark.y(), 1.0) + rho * lever;  // times rho, turned as the map
-  const Eigen::Vector3d baseline = in_plane(anchor_pose) - in_plane(robot);
+  const Eigen::Vector3d baseline = anchor_pose.position - robot.position;
   const Eigen::Vector3d g = to_robot * (from_anchor + rho * baseline);
   const std::optional<Pinhole> seen = see(camera, row_shift, g, rho, lever_scale);
   if (!seen) return std::nullopt;
@@ -82,38 +69,36 @@ std::optional<Projection> project_anchored(const Camera& camera, const common::P
   Projection projection;
   projection.point = seen->point;
   const Eigen::Matrix<double, 2, 3> wrt_map_point = seen->wrt_scaled_point * to_robot;
-  projection.wrt_robot.leftCols<2>() = -rho * wrt_map_point.leftCols<2>();
-  projection.wrt_robot.col(2) = -seen->wrt_scaled_point * quarter_turn(g);
-  projection.wrt_anchor.leftCols<2>() = rho * wrt_map_point.leftCols<2>();
-  projection.wrt_anchor.col(2) = wrt_map_point * quarter_turn(from_anchor);
+  projection.wrt_robot.leftCols<3>() = -rho * wrt_map_point;
+  projection.wrt_robot.rightCols<3>() = seen->wrt_scaled_point * (cross_matrix(g) * to_robot);
+  projection.wrt_anchor.leftCols<3>() = rho * wrt_map_point;
+  projection.wrt_anchor.rightCols<3>() = wrt_map_point * -cross_matrix(from_anchor);
   projection.wrt_landmark.leftCols<2>() = wrt_map_point * ray_turn.leftCols<2>();
   projection.wrt_landmark.col(2) = wrt_map_point * (lever + baseline) + seen->wrt_rho;
   projection.wrt_lever_scale = rho * (wrt_map_point * (anchor_turn * camera_lever)) + seen->wrt_lever_scale;
   return projection;
 }
 
-CartesianPoint to_cartesian(const Anchor& anchor, const common::Pose2& anchor_pose, const Eigen::Vector3d& landmark,
+CartesianPoint to_cartesian(const Anchor& anchor, const BodyPose& anchor_pose, const Eigen::Vector3d& landmark,
                             double lever_scale) {
   const double depth = 1.0 / landmark.z();
-  const Eigen::Matrix3d row_turn = turn_about_z(anchor.row_shift.theta);
-  const Eigen::Matrix3d anchor_turn = turn_about_z(anchor_pose.theta);
+  const Eigen::Matrix3d& row_turn = anchor.row_shift.rotation;
+  const Eigen::Matrix3d& anchor_turn = anchor_pose.rotation;
   const Eigen::Matrix3d ray_turn = anchor_turn * row_turn * anchor.camera->R_base_camera;
   const Eigen::Vector3d ray = ray_turn * Eigen::Vector3d(landmark.x(), landmark.y(), 1.0);
   const Eigen::Vector3d camera_lever = row_turn * (lever_scale * anchor.camera->t_base_camera);
-  const Eigen::Vector3d lever = anchor_turn * (camera_lever + in_plane(anchor.row_shift));
+  const Eigen::Vector3d lever = anchor_turn * (camera_lever + anchor.row_shift.position);
   CartesianPoint point;
-  point.position = in_plane(anchor_pose) + lever + depth * ray;
-  point.wrt_anchor.setZero();
-  point.wrt_anchor.topLeftCorner<2, 2>().setIdentity();
-  point.wrt_anchor.col(2) = quarter_turn(lever + depth * ray);
+  point.position = anchor_pose.position + lever + depth * ray;
+  point.wrt_anchor << Eigen::Matrix3d::Identity(), -cross_matrix(lever + depth * ray);
   point.wrt_landmark.leftCols<2>() = depth * ray_turn.leftCols<2>();
   point.wrt_landmark.col(2) = -depth * depth * ray;
   point.wrt_lever_scale = anchor_turn * camera_lever;
   return point;
 }
 
-Eigen::Vector3d optical_centre(const Camera& camera, const common::Pose2& robot, double lever_scale) {
-  return in_plane(robot) + turn_about_z(robot.theta) * (lever_scale * camera.t_base_camera);
+Eigen::Vector3d optical_centre(const Camera& camera, const BodyPose& robot, double lever_scale) {
+  return robot.position + robot.rotation * (lever_scale * camera.t_base_camera);
 }
 
 double linearity_index(const Eigen::Vector3d& anchor_centre, const Eigen::Vector3d& camera_centre,

@@ -15,10 +15,12 @@ using BlockId = std::size_t;
 /// What the numbers of a block mean, as far as it matters when the whole map turns or grows; see State::correct.
 enum class BlockKind {
   kPose,          ///< x, y [m], theta in the map
+  kFreePose,      ///< x, y, z [m] and the rotation's quaternion (x, y, z, w); its error: six numbers, see BodyPose
   kPoint,         ///< x, y, z [m] in the map
   kInverseDepth,  ///< a ray relative to a pose and, third, an inverse depth [1/m]
   kCalibration,   ///< first, the relative error of the odometry's scale of distance
   kVelocity,      ///< first, the relative error of the map's unit; second, a speed [1/s]
+  kFreeVelocity,  ///< the same with three numbers for the velocity [1/s], in the axes of base_link
 };
 
 /// The most columns a Jacobian part may have: the 13 numbers of a free camera (seed 002 section 2.2).
@@ -41,16 +43,20 @@ struct LinearMeasurement {
 
 /// Mean and dense covariance of everything the filter estimates, in blocks that come and go.
 ///
-/// The first block is the robot's pose, the second the calibration of its odometry.
+/// The first block is the robot's pose, the second the calibration of its odometry. A block has as many numbers in the
+/// mean as in its error, except a kFreePose (7 and 6): sizes, offsets and Jacobians are those of the error.
 class State {
  public:
   int size() const { return size_; }
   /// Where a block starts, -1 when it is gone.
   int offset(BlockId block) const { return blocks_[block].offset; }
   bool has(BlockId block) const { return block < blocks_.size() && blocks_[block].offset >= 0; }
-  auto mean(BlockId block) const { return mean_.segment(blocks_[block].offset, blocks_[block].size); }
-  auto mean(BlockId block) { return mean_.segment(blocks_[block].offset, blocks_[block].size); }
+  BlockKind kind(BlockId block) const { return blocks_[block].kind; }
+  auto mean(BlockId block) const { return mean_.segment(blocks_[block].mean_offset, blocks_[block].mean_size()); }
+  auto mean(BlockId block) { return mean_.segment(blocks_[block].mean_offset, blocks_[block].mean_size()); }
   const Eigen::VectorXd& mean() const { return mean_; }
+  /// The error the present mean would have if `mean` were right.
+  Eigen::VectorXd error_given(const Eigen::VectorXd& mean) const;
   auto covariance() const { return covariance_.topLeftCorner(size_, size_); }
   auto covariance(BlockId row, BlockId column) const {
     return covariance_.block(offset(row), offset(column), blocks_[row].size, blocks_[column].size);
@@ -77,7 +83,7 @@ class State {
   /// what is worse, the errors of depth and of innovation are correlated then and pull the scale down image by image.
   /// Adding to the error of a position that moves by d what the heading's and the scale's error make of d, J d and d,
   /// keeps both directions exactly. This is the right-invariant EKF in ordinary coordinates (Barrau and Bonnabel 2015,
-  /// not in the seeds), with the scale beside the heading.
+  /// not in the seeds), with the scale beside the heading. A free robot has three such turns, e x d, for its heading.
   void correct(const Eigen::VectorXd& delta);
   /// Corrects one block alone by one measured number, residual = h^T e + noise, and takes all other blocks as they are
   /// (Schmidt's consider update): their uncertainty counts, but they learn nothing.
@@ -89,12 +95,22 @@ class State {
   struct Block {
     int offset;
     int size;
+    int mean_offset;
     BlockKind kind;
+
+    int mean_size() const { return kind == BlockKind::kFreePose ? size + 1 : size; }
+  };
+
+  /// What the error of one number adds to the errors of all.
+  struct Dependence {
+    int index;
+    Eigen::VectorXd c;
   };
 
   Eigen::MatrixXd combine_rows(std::span<const JacobianPart<Eigen::Dynamic>> parts, int rows) const;
   void reserve(int size);
-  void add_dependence(int index, const Eigen::VectorXd& c);
+  void retract(const Eigen::VectorXd& delta);
+  void add(std::span<const Dependence> dependences);
 
   std::vector<Block> blocks_;   // by id
   std::vector<BlockId> alive_;  // in the order of their offsets

@@ -24,6 +24,7 @@ namespace {
 
 using common::Nanoseconds;
 using common::Pose2;
+using common::Pose3;
 
 constexpr Nanoseconds kTwistInterval = 50'000'000;                              // over which the speed is taken
 constexpr Nanoseconds kLoopEventInterval = 10 * common::kNanosecondsPerSecond;  // one event a visit, not one an image
@@ -68,7 +69,7 @@ class VisualSlam::Implementation {
     }
   }
 
-  common::Trajectory2 final_trajectory() const { return path_.path(filter_); }
+  common::Trajectory3 spatial_trajectory() const { return path_.path(filter_); }
 
   std::vector<common::Landmark> landmarks() const { return book_.landmarks(filter_); }
 
@@ -151,8 +152,8 @@ class VisualSlam::Implementation {
     const Pose2 now = *odometry_.pose_at(stamp);
     if (newest_) filter_.predict({common::to_seconds(stamp - *newest_), odometry_pose_.inverse() * now});
     const std::optional<Pose2> before = odometry_.pose_at(stamp - kTwistInterval);
-    twist_ = before ? Eigen::Vector3d(common::log_se2(before->inverse() * now) / common::to_seconds(kTwistInterval))
-                    : Eigen::Vector3d::Zero();
+    twist_ =
+        before ? BodyTwist(common::log_se2(before->inverse() * now) / common::to_seconds(kTwistInterval)) : BodyTwist();
     odometry_pose_ = now;
   }
 
@@ -273,11 +274,12 @@ class VisualSlam::Implementation {
   }
 
   void keep_pose(Nanoseconds stamp) {
-    const Pose2 since = last_keyframe_ ? last_keyframe_->inverse() * odometry_pose_ : Pose2{};
-    if (!last_keyframe_ || since.translation().norm() > options_.map.keyframe_distance ||
-        std::abs(since.theta) > common::to_radians(options_.map.keyframe_turn)) {
+    const Pose3 here = has_odometry() ? common::to_pose3(odometry_pose_) : filter_.spatial_pose();
+    const Pose3 since = last_keyframe_ ? last_keyframe_->inverse() * here : Pose3{};
+    if (!last_keyframe_ || since.translation.norm() > options_.map.keyframe_distance ||
+        Eigen::AngleAxisd(since.rotation).angle() > common::to_radians(options_.map.keyframe_turn)) {
       filter_.add_keyframe(stamp, options_.map.max_keyframes);
-      last_keyframe_ = odometry_pose_;
+      last_keyframe_ = here;
     }
   }
 
@@ -323,7 +325,8 @@ class VisualSlam::Implementation {
     waiting_events_.clear();
     result.events = std::move(events);
     if (!has_odometry()) odometry_pose_ = result.pose;
-    path_.add(*newest_, odometry_pose_, result.pose);
+    const Pose3 believed = filter_.spatial_pose();
+    path_.add(*newest_, has_odometry() ? common::to_pose3(odometry_pose_) : believed, believed);
     return result;
   }
 
@@ -359,8 +362,8 @@ class VisualSlam::Implementation {
   std::uint32_t epoch_ = 0;
   std::optional<Nanoseconds> newest_;  // stamp of the newest estimate
   Pose2 odometry_pose_;                // T_odom_base there
-  Eigen::Vector3d twist_ = Eigen::Vector3d::Zero();
-  std::optional<Pose2> last_keyframe_;  // by the odometry
+  BodyTwist twist_;
+  std::optional<Pose3> last_keyframe_;  // by the odometry
   std::optional<Nanoseconds> last_loop_;
   std::vector<common::Event> waiting_events_;
 };
@@ -388,7 +391,8 @@ common::ProcessResult VisualSlam::process(const common::SensorMessage& message) 
   return implementation_->process(message);
 }
 void VisualSlam::execute(const common::Command& command) { implementation_->execute(command); }
-common::Trajectory2 VisualSlam::final_trajectory() const { return implementation_->final_trajectory(); }
+common::Trajectory2 VisualSlam::final_trajectory() const { return common::to_planar(spatial_trajectory()); }
+common::Trajectory3 VisualSlam::spatial_trajectory() const { return implementation_->spatial_trajectory(); }
 std::vector<common::Landmark> VisualSlam::landmarks() const { return implementation_->landmarks(); }
 
 }  // namespace slamfuse::visual_slam

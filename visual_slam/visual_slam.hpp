@@ -16,10 +16,12 @@
 namespace slamfuse::visual_slam {
 
 /// Monocular and multi-camera EKF SLAM (seeds 000 to 002): wheel odometry, or without it a constant velocity (then the
-/// map has a scale of its own, see ConstantVelocity), predicts the planar pose of base_link, the
-/// features of any number of cameras, each with its own stamps, rate, mounting and lens, correct it and the landmarks.
+/// map has a scale of its own, see ConstantVelocity and FreeCamera), predicts the pose of base_link, planar but for a
+/// free camera, the features of any number of cameras, each with its own stamps, rate, mounting and lens, correct it
+/// and the landmarks.
 ///
-/// The map frame is base_link at the first image. Each accepted image makes one estimate, at the image's own stamp.
+/// The map frame is base_link at the first image. Estimates of a free camera are the part of its pose in the plane.
+/// Each accepted image makes one estimate, at the image's own stamp.
 class VisualSlam : public common::SlamModule {
  public:
   /// `cameras` are the ones to listen to, by sensor name. `threads` only speeds up the work, the result does not depend
@@ -30,7 +32,7 @@ class VisualSlam : public common::SlamModule {
   ~VisualSlam() override;
 
   common::PoseSource source() const override { return common::PoseSource::kVisual; }
-  /// Images of the cameras it was made for, and wheel odometry unless the motion model is constant velocity.
+  /// Images of the cameras it was made for, and wheel odometry if it is the motion model.
   bool wants(const common::SensorMessage& message) const override;
   /// Rejects images of the wrong size, of an unknown camera, with a stamp that repeats or steps back for that camera,
   /// older than the newest estimate, and, with odometry as the motion model,
@@ -42,6 +44,8 @@ class VisualSlam : public common::SlamModule {
   /// The path corrected by everything seen since: keyframe poses stay in the filter's state and are smoothed by its
   /// cross-covariances; poses between two keyframes take the correction interpolated between them.
   common::Trajectory2 final_trajectory() const override;
+  /// The same with height, pitch and roll, which a free camera has.
+  common::Trajectory3 spatial_trajectory() const;
 
   /// The landmarks of the current epoch whose depth is known, in the visual map's frame.
   std::vector<common::Landmark> landmarks() const;

@@ -153,10 +153,10 @@ class Run {
     keep_pose();
     online.push_back({*now_, filter_.pose()});
     odometry.push_back({*now_, odometry_});
-    path_.add(*now_, odometry_, filter_.pose());
+    path_.add(*now_, common::to_pose3(odometry_), filter_.spatial_pose());
   }
 
-  common::Trajectory2 final_path() const { return path_.path(filter_); }
+  common::Trajectory2 final_path() const { return common::to_planar(path_.path(filter_)); }
   std::optional<Eigen::Vector3d> landmark(visual_slam::LandmarkId id) const {
     return filter_.has(id) ? filter_.likely_position(id) : std::nullopt;
   }

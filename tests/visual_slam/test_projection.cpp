@@ -29,6 +29,38 @@ Eigen::Matrix<double, Rows, 3> differentiate(
   return jacobian;
 }
 
+/// The part of a derivative by a pose that belongs to (x, y, theta).
+template <int Rows>
+Eigen::Matrix<double, Rows, 3> planar_part(const Eigen::Matrix<double, Rows, 6>& by_pose) {
+  Eigen::Matrix<double, Rows, 3> part;
+  part << by_pose.template leftCols<2>(), by_pose.template rightCols<1>();
+  return part;
+}
+
+/// A pose changed by its six numbers, see BodyPose.
+BodyPose moved(const BodyPose& pose, const Eigen::Matrix<double, 6, 1>& step) {
+  BodyPose result = pose;
+  result.position += step.head<3>();
+  result.rotation = rotation_exp(step.tail<3>()).toRotationMatrix() * pose.rotation;
+  return result;
+}
+
+/// Central differences of a function of a pose.
+template <int Rows>
+Eigen::Matrix<double, Rows, 6> differentiate_pose(
+    const std::function<Eigen::Matrix<double, Rows, 1>(const BodyPose&)>& function, const BodyPose& at) {
+  Eigen::Matrix<double, Rows, 6> jacobian;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Matrix<double, 6, 1> step = kStep * Eigen::Matrix<double, 6, 1>::Unit(i);
+    jacobian.col(i) = (function(moved(at, step)) - function(moved(at, -step))) / (2.0 * kStep);
+  }
+  return jacobian;
+}
+
+BodyPose tilted(const Eigen::Vector3d& position, const Eigen::Vector3d& turn) {
+  return common::Pose3{position, rotation_exp(turn)};
+}
+
 class ProjectionTest : public ::testing::Test {
  protected:
   Camera camera_ = make_camera("cam0", 0.5);
@@ -36,13 +68,16 @@ class ProjectionTest : public ::testing::Test {
   Pose2 row_shift_{0.004, -0.001, 0.008};
   Pose2 robot_{0.7, -0.4, 0.25};
   Pose2 anchor_pose_{-0.1, 0.2, 0.4};
-  Anchor anchor_{&anchor_camera_, {-0.002, 0.001, -0.006}};
+  Anchor anchor_{&anchor_camera_, Pose2{-0.002, 0.001, -0.006}};
+  BodyPose tilted_robot_ = tilted({0.7, -0.4, 0.1}, {0.2, -0.1, 0.25});
+  BodyPose tilted_anchor_ = tilted({-0.1, 0.2, -0.2}, {-0.1, 0.15, 0.4});
+  BodyPose tilted_row_shift_ = tilted({0.004, -0.001, 0.003}, {0.006, -0.004, 0.008});
 };
 
 TEST_F(ProjectionTest, APointStraightAheadAppearsInTheMiddle) {
   const Camera forward = make_camera("cam0", 0.0, 0.1, 0.0);
 
-  const auto projection = project_cartesian(forward, {}, {1.0, 2.0, std::numbers::pi / 2}, {1.0, 7.0, 0.7});
+  const auto projection = project_cartesian(forward, {}, Pose2{1.0, 2.0, std::numbers::pi / 2}, {1.0, 7.0, 0.7});
 
   ASSERT_TRUE(projection);
   EXPECT_NEAR(projection->point.norm(), 0.0, 1e-12);
@@ -65,7 +100,7 @@ TEST_F(ProjectionTest, CartesianJacobiansMatchFiniteDifferences) {
   const auto by_point = differentiate<2>(
       [&](const Eigen::Vector3d& v) { return project_cartesian(camera_, row_shift_, robot_, v)->point; }, point);
 
-  EXPECT_LT((projection->wrt_robot - by_robot).norm(), 1e-7);
+  EXPECT_LT((planar_part(projection->wrt_robot) - by_robot).norm(), 1e-7);
   EXPECT_LT((projection->wrt_landmark - by_point).norm(), 1e-7);
   EXPECT_EQ(projection->wrt_anchor.norm(), 0.0);
 }
@@ -116,8 +151,8 @@ TEST_F(ProjectionTest, InverseDepthJacobiansMatchFiniteDifferences) {
         },
         landmark);
 
-    EXPECT_LT((projection->wrt_robot - by_robot).norm(), 1e-7) << rho;
-    EXPECT_LT((projection->wrt_anchor - by_anchor).norm(), 1e-7) << rho;
+    EXPECT_LT((planar_part(projection->wrt_robot) - by_robot).norm(), 1e-7) << rho;
+    EXPECT_LT((planar_part(projection->wrt_anchor) - by_anchor).norm(), 1e-7) << rho;
     EXPECT_LT((projection->wrt_landmark - by_landmark).norm(), 1e-7) << rho;
   }
 }
@@ -143,8 +178,33 @@ TEST_F(ProjectionTest, ConversionJacobiansMatchFiniteDifferences) {
   const auto by_landmark = differentiate<3>(
       [&](const Eigen::Vector3d& v) { return to_cartesian(anchor_, anchor_pose_, v).position; }, landmark);
 
-  EXPECT_LT((point.wrt_anchor - by_anchor).norm(), 1e-7);
+  EXPECT_LT((planar_part(point.wrt_anchor) - by_anchor).norm(), 1e-7);
   EXPECT_LT((point.wrt_landmark - by_landmark).norm(), 1e-6);
+}
+
+TEST_F(ProjectionTest, JacobiansByFreePosesMatchFiniteDifferences) {
+  const Eigen::Vector3d point(3.5, 1.6, 1.4), landmark(0.12, -0.2, 0.3);
+  const auto cartesian = [&](const BodyPose& robot) {
+    return project_cartesian(camera_, tilted_row_shift_, robot, point);
+  };
+  const auto anchored = [&](const BodyPose& robot, const BodyPose& anchor_pose) {
+    return project_anchored(camera_, tilted_row_shift_, robot, anchor_, anchor_pose, landmark);
+  };
+  const auto place = [&](const BodyPose& anchor_pose) { return to_cartesian(anchor_, anchor_pose, landmark); };
+  ASSERT_TRUE(cartesian(tilted_robot_) && anchored(tilted_robot_, tilted_anchor_));
+
+  const auto by_robot = differentiate_pose<2>([&](const BodyPose& p) { return cartesian(p)->point; }, tilted_robot_);
+  const auto anchored_by_robot =
+      differentiate_pose<2>([&](const BodyPose& p) { return anchored(p, tilted_anchor_)->point; }, tilted_robot_);
+  const auto by_anchor =
+      differentiate_pose<2>([&](const BodyPose& p) { return anchored(tilted_robot_, p)->point; }, tilted_anchor_);
+  const auto place_by_anchor =
+      differentiate_pose<3>([&](const BodyPose& p) { return place(p).position; }, tilted_anchor_);
+
+  EXPECT_LT((cartesian(tilted_robot_)->wrt_robot - by_robot).norm(), 1e-7);
+  EXPECT_LT((anchored(tilted_robot_, tilted_anchor_)->wrt_robot - anchored_by_robot).norm(), 1e-7);
+  EXPECT_LT((anchored(tilted_robot_, tilted_anchor_)->wrt_anchor - by_anchor).norm(), 1e-7);
+  EXPECT_LT((place(tilted_anchor_).wrt_anchor - place_by_anchor).norm(), 1e-7);
 }
 
 TEST_F(ProjectionTest, LinearityIndexFallsWithTheUncertaintyOfTheDepth) {
