@@ -190,6 +190,12 @@ svg .dot.odometry{fill:var(--odometry)}svg .dot.truth{fill:var(--truth)}svg .dot
 svg .band{stroke:none}
 svg .tracking{fill:var(--tracking)}svg .uncertain{fill:var(--uncertain)}svg .lost{fill:var(--lost)}
 svg .plan{fill:var(--plan)}svg .plan-grid{image-rendering:pixelated}
+svg .camera{stroke:var(--fused);stroke-width:.7;stroke-opacity:.7;fill:none}svg .line.camera{stroke-width:1.6}
+svg .points{stroke-width:1.5;stroke-opacity:1}
+svg .ellipse{fill:var(--landmark);fill-opacity:.13;stroke:var(--landmark);stroke-width:.6;stroke-opacity:.6}
+svg .rim,svg .feature{fill:none;stroke-linejoin:round}svg .rim{stroke:#000;stroke-width:3.4;stroke-opacity:.6}
+svg .feature{stroke-width:1.6}svg .followed{stroke:#56b4e9}svg .recognised{stroke:#ffd400}
+svg .rejected{stroke:#ff5a4d}svg .new{stroke:#2fe0a0}
 svg .bar{stroke:var(--ink);stroke-width:2;fill:none}
 )css";
 }

@@ -12,6 +12,7 @@
 #include "common/tum.hpp"
 #include "service/bounded_file.hpp"
 #include "service/checksum.hpp"
+#include "service/colmap_model.hpp"
 #include "service/durable_file.hpp"
 #include "service/grid_file.hpp"
 #include "service/landmark_file.hpp"
@@ -62,6 +63,18 @@ class BundleWriter {
   common::Result<void> done_;
 };
 
+common::Result<void> write_colmap_model(const MapBundle& bundle, const fs::path& folder, BundleWriter& writer) {
+  std::error_code error;
+  if (!fs::create_directory(folder / kColmapFolder, error)) {
+    return common::failed(fmt::format("cannot write {}: {}", (folder / kColmapFolder).string(), error.message()));
+  }
+  const ColmapModel model = colmap_model(bundle.cameras, bundle.keyframes, bundle.landmarks);
+  writer.write(kColmapCameras, model.cameras);
+  writer.write(kColmapImages, model.images);
+  writer.write(kColmapPoints, model.points);
+  return sync_folder(folder / kColmapFolder);
+}
+
 common::Result<void> write_contents(const MapBundle& bundle, const fs::path& folder) {
   BundleWriter writer(folder);
   if (bundle.grid && bundle.grid->width > 0) {
@@ -72,6 +85,9 @@ common::Result<void> write_contents(const MapBundle& bundle, const fs::path& fol
   if (!bundle.landmarks.empty()) {
     writer.write(kLandmarks, landmarks_to_bytes(bundle.landmarks));
     writer.write(kLandmarksPly, landmarks_to_ply(bundle.landmarks, bundle.alignment.value_or(fusion::Alignment{})));
+    if (!bundle.keyframes.empty()) {
+      if (auto written = write_colmap_model(bundle, folder, writer); !written) return written;
+    }
   }
   for (const auto& [name, trajectory] : bundle.trajectories) writer.write(name + ".tum", common::to_tum(trajectory));
   writer.write(kMapYaml, map_yaml_of(bundle, writer.files()));

@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/calibration.hpp"
 #include "common/error.hpp"
+#include "common/keyframe.hpp"
 #include "common/landmark.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/trajectory.hpp"
@@ -24,10 +26,12 @@ struct MapBundle {
   std::string program_version;
   std::uint64_t seed = 0;
   std::string recording;
-  bool incomplete = false;                      ///< the run was interrupted
-  const common::OccupancyGrid* grid = nullptr;  ///< in the laser map's frame; null without laser
-  std::string_view laser_state;                 ///< LaserSlam::serialize(); empty without laser
-  std::vector<common::Landmark> landmarks;      ///< in the visual map's frame
+  bool incomplete = false;                                   ///< the run was interrupted
+  const common::OccupancyGrid* grid = nullptr;               ///< in the laser map's frame; null without laser
+  std::string_view laser_state;                              ///< LaserSlam::serialize(); empty without laser
+  std::vector<common::Landmark> landmarks;                   ///< in the visual map's frame
+  std::vector<common::Keyframe> keyframes;                   ///< there, too
+  std::map<std::string, common::CameraCalibration> cameras;  ///< that took them
   std::optional<fusion::Alignment> alignment;
   std::map<std::string, common::Trajectory2> trajectories;  ///< by name: "laser", "visual", "fused"
 };

@@ -74,6 +74,8 @@ common::Result<void> MapSaver::write(const Snapshot& snapshot) const {
   }
   if (const auto visual = snapshot.modules.find(PoseSource::kVisual); visual != snapshot.modules.end()) {
     bundle.landmarks = visual->second->landmarks;
+    bundle.keyframes = visual->second->keyframes;
+    bundle.cameras = visual->second->cameras;
     bundle.trajectories["visual"] = visual->second->path;
   }
   return write_map_bundle(bundle, path_);

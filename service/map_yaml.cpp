@@ -5,6 +5,8 @@
 #include <array>
 #include <charconv>
 #include <exception>
+#include <sstream>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -44,6 +46,7 @@ void emit_maps(std::string& yaml, const MapBundle& bundle, const std::vector<Map
                         kLandmarks, kLandmarksPly);
     const bool aligned = bundle.alignment && bundle.alignment->accepted;
     yaml += fmt::format("    points_frame: {}\n", aligned ? "laser_map" : "visual_map");
+    if (has_file(files, kColmapImages)) yaml += fmt::format("    colmap: {}\n", kColmapFolder);
   } else {
     yaml += "visual_maps: []\n";
   }
@@ -77,10 +80,16 @@ tl::unexpected<common::Error> refused(const std::string& reason) {
   return common::invalid_input(fmt::format("{}: {}", kMapYaml, reason));
 }
 
-/// A plain name: nothing that leads out of the folder.
-bool is_plain_name(const std::string& name) {
-  return !name.empty() && name != "." && name != ".." && name.find_first_of("/\\") == std::string::npos &&
-         name.find('\0') == std::string::npos;
+/// A plain name, or one in a folder of the bundle: nothing that leads out of it.
+bool stays_inside(const std::string& name) {
+  std::istringstream parts(name + '/');
+  int depth = 0;
+  for (std::string part; std::getline(parts, part, '/'); ++depth) {
+    if (part.empty() || part == "." || part == ".." || part.find_first_of(std::string_view("\\\0", 2)) != part.npos) {
+      return false;
+    }
+  }
+  return depth >= 1 && depth <= 2;
 }
 
 std::uint32_t parse_crc(const std::string& text) {
@@ -156,7 +165,7 @@ common::Result<MapBundleSummary> parse_map_yaml(const std::string& text) {
     return refused(exception.what());
   }
   for (const auto& file : summary.files) {
-    if (!is_plain_name(file.name)) return refused(fmt::format("'{}' is not the name of a file of the map", file.name));
+    if (!stays_inside(file.name)) return refused(fmt::format("'{}' is not the name of a file of the map", file.name));
     if (file.bytes > kMaxMapFileBytes) {
       return refused(fmt::format("{} has {} bytes, at most {} are allowed", file.name, file.bytes, kMaxMapFileBytes));
     }

@@ -16,6 +16,10 @@ inline constexpr const char* kGridYaml = "grid.yaml";
 inline constexpr const char* kLaserState = "laser_state.bin";
 inline constexpr const char* kLandmarks = "landmarks.bin";
 inline constexpr const char* kLandmarksPly = "landmarks.ply";
+inline constexpr const char* kColmapFolder = "colmap";
+inline constexpr const char* kColmapCameras = "colmap/cameras.txt";
+inline constexpr const char* kColmapImages = "colmap/images.txt";
+inline constexpr const char* kColmapPoints = "colmap/points3D.txt";
 
 /// Whether a file of this name is among them.
 bool has_file(const std::vector<MapBundleFile>& files, const std::string& name);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "service/chart.hpp"
+#include "service/feature_overlay.hpp"
 #include "service/markup.hpp"
 #include "service/report_charts.hpp"
 #include "service/report_tables.hpp"
@@ -21,9 +22,11 @@ p{margin:.4rem 0}.soft,dt{color:var(--soft);font-size:.875rem}
 .incomplete{border-color:var(--lost)}
 dl{display:grid;grid-template-columns:repeat(auto-fit,minmax(9rem,1fr));gap:.4rem 1rem;margin:.8rem 0}
 dl div{min-width:0}dd{margin:0;font-variant-numeric:tabular-nums}
-figure{margin:.5rem 0}figure svg{display:block;width:100%;height:auto}
-.plan-figure svg{max-height:90vh;max-width:48rem}
+figure{margin:.5rem 0}figure>svg{display:block;width:100%;height:auto}
+.plan-figure>svg{max-height:90vh;max-width:48rem}
 .charts{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,26rem),1fr));gap:.5rem 1.2rem}
+.images{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,20rem),1fr));gap:.5rem 1rem}
+.legend>svg{max-width:34rem}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums;margin:.4rem 0}
 th,td{padding:.25rem .7rem .25rem 0;text-align:left;vertical-align:top;border-bottom:1px solid var(--rule)}
@@ -67,6 +70,37 @@ std::string map_section(const ReportData& data) {
                             "end.</figcaption></figure>\n");
 }
 
+std::string structure_section(const ReportData& data) {
+  const std::string above = structure_picture(data.visual_map, ViewPoint::kAbove);
+  if (above.empty()) return "";
+  return section("Structure and motion",
+                 "<div class=\"charts\">\n<figure>" + above +
+                     "<figcaption class=\"soft\">From above.</figcaption></figure>\n<figure>" +
+                     structure_picture(data.visual_map, ViewPoint::kSide) +
+                     "<figcaption class=\"soft\">From the side, z up.</figcaption></figure>\n</div>\n"
+                     "<p class=\"soft\">The visual map in its own frame: what the cameras have recovered without the "
+                     "laser. An ellipse holds two standard deviations of a landmark's position.</p>\n");
+}
+
+std::string features_section(const ReportData& data) {
+  std::string figures;
+  for (const common::AnnotatedImage& image : data.sample_images) {
+    const std::string overlay = feature_overlay(image);
+    if (overlay.empty()) continue;
+    figures += fmt::format("<figure>{}<figcaption class=\"soft\">{} at {} s: {}</figcaption></figure>\n", overlay,
+                           escape(image.image.sensor), number(common::to_seconds(image.image.stamp - data.start), 1),
+                           escape(features_in_words(image)));
+  }
+  if (figures.empty()) return "";
+  return section("What the cameras saw",
+                 "<figure class=\"legend\">" + feature_legend() +
+                     "<figcaption class=\"soft\">Followed from the camera's image before; "
+                     "recognised after having been out of sight; found but rejected, because it "
+                     "does not fit the map; entered into the map by this image.</figcaption>"
+                     "</figure>\n<div class=\"images\">\n" +
+                     figures + "</div>\n");
+}
+
 }  // namespace
 
 std::string make_report(const ReportData& data) {
@@ -76,6 +110,7 @@ std::string make_report(const ReportData& data) {
          escape(data.recording) + "</title><style>\n" + chart_style() + kPageStyle + "</style></head><body>\n" +
          header(data) + map_section(data) + section("Accuracy", accuracy_table(data)) +
          chart_section("Error over time", error_charts(data), "No ground truth lies beside the recording.") +
+         structure_section(data) + features_section(data) +
          section("Alignment of the visual with the laser path", alignment_table(data)) +
          chart_section("State over time", state_charts(data), "No estimator gave a pose.") +
          chart_section("Health over time", health_charts(data), "No health figures were measured.") +

@@ -9,10 +9,12 @@
 
 #include <Eigen/Core>
 
+#include "common/annotated_image.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/pose_estimate.hpp"
 #include "common/time.hpp"
 #include "common/trajectory.hpp"
+#include "service/structure_picture.hpp"
 
 namespace slamfuse::service {
 
@@ -92,7 +94,9 @@ struct ReportData {
   common::Nanoseconds start = 0;  ///< zero of the time axes
   std::optional<common::OccupancyGrid> grid;
   std::vector<Eigen::Vector2d> landmarks;  ///< visual landmarks in the frame of the grid [m]
-  common::Trajectory2 truth;               ///< in the frame of the grid, drawn thin; empty without ground truth
+  StructureAndMotion visual_map;           ///< in the visual map's own frame
+  std::vector<common::AnnotatedImage> sample_images;
+  common::Trajectory2 truth;  ///< in the frame of the grid, drawn thin; empty without ground truth
   std::vector<ReportSource> sources;
   std::vector<ReportAccuracy> accuracy;
   std::vector<ReportModule> modules;

@@ -33,13 +33,22 @@ bool begins_with(const fs::path& path, const std::string& beginning) {
   return file && start == beginning;
 }
 
+/// Whether a folder inside a bundle holds files of the bundle.
+bool holds_one_of(const std::string& folder, const std::vector<std::string>& names) {
+  return std::any_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return name.starts_with(folder + "/"); });
+}
+
 common::Result<void> check_map(const fs::path& map) {
   std::error_code error;
   if (!fs::is_directory(fs::symlink_status(map, error))) return in_the_way(map, "it is not a folder");
   const auto known = files_of_map_bundle(map);
-  for (const auto& entry : fs::directory_iterator(map, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!contains(known, name)) return in_the_way(entry.path(), "it is not part of a map bundle");
+  for (const auto& entry :
+       fs::recursive_directory_iterator(map, fs::directory_options::skip_permission_denied, error)) {
+    const std::string name = entry.path().lexically_relative(map).generic_string();
+    const bool ours =
+        entry.is_directory(error) && !entry.is_symlink(error) ? holds_one_of(name, known) : contains(known, name);
+    if (!ours) return in_the_way(entry.path(), "it is not part of a map bundle");
   }
   if (error) return in_the_way(map, error.message());
   return {};

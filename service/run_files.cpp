@@ -33,6 +33,8 @@ MapBundle map_bundle_of(const RunSummary& summary) {
   bundle.grid = summary.grid ? &*summary.grid : nullptr;
   bundle.laser_state = summary.laser_state;
   bundle.landmarks = summary.landmarks;
+  bundle.keyframes = summary.keyframes;
+  bundle.cameras = summary.cameras;
   bundle.alignment = summary.alignment;
   constexpr std::array<std::pair<const char*, const char*>, 3> kPaths{
       {{"laser_final", "laser"}, {"visual_final", "visual"}, {"fused_final", "fused"}}};

@@ -2,6 +2,8 @@
 #include "service/run_report.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +20,7 @@ using common::Trajectory2;
 
 /// How close in time the first laser and the first odometry pose must be for the odometry to be drawn from there.
 constexpr common::Nanoseconds kMaxGapToFirstPose = common::kNanosecondsPerSecond;
+constexpr std::size_t kImagesToShow = 6;  // each about 25 kB of the page
 
 const NamedAccuracy* accuracy_named(const RunSummary& summary, const std::string& name) {
   const auto found =
@@ -126,6 +129,23 @@ std::vector<Eigen::Vector2d> landmarks_in_plan(const RunSummary& summary) {
   return points;
 }
 
+StructureAndMotion structure_and_motion_of(const RunSummary& summary) {
+  const Trajectory2* path = trajectory_named(summary, "visual_final");
+  return {summary.landmarks, summary.keyframes, path == nullptr ? Trajectory2{} : *path};
+}
+
+/// So many of the images, as many of each camera and evenly over the run.
+std::vector<common::AnnotatedImage> images_to_show(const std::vector<common::AnnotatedImage>& images) {
+  std::map<std::string, std::vector<const common::AnnotatedImage*>> by_camera;
+  for (const auto& image : images) by_camera[image.image.sensor].push_back(&image);
+  std::vector<common::AnnotatedImage> chosen;
+  for (const auto& [camera, all] : by_camera) {
+    const std::size_t wanted = std::min(all.size(), std::max<std::size_t>(1, kImagesToShow / by_camera.size()));
+    for (std::size_t i = 0; i < wanted; ++i) chosen.push_back(*all[(2 * i + 1) * all.size() / (2 * wanted)]);
+  }
+  return chosen;
+}
+
 /// The truth in the frame of the path the accuracy was measured with.
 Trajectory2 truth_in_plan(const RunSummary& summary) {
   for (const char* name : {"laser_final", "laser", "visual"}) {
@@ -154,6 +174,8 @@ ReportData report_of(const RunSummary& summary) {
   data.start = summary.first_stamp;
   data.grid = summary.grid;
   data.landmarks = landmarks_in_plan(summary);
+  data.visual_map = structure_and_motion_of(summary);
+  data.sample_images = images_to_show(summary.sample_images);
   data.truth = truth_in_plan(summary);
   for (const auto source : {PoseSource::kOdometry, PoseSource::kLaser, PoseSource::kVisual, PoseSource::kFused}) {
     if (summary.counters.contains(source) || summary.log.trajectories.contains(source)) {

@@ -181,12 +181,11 @@ common::Result<void> RunSession::make_visual() {
   if (cameras.empty()) {
     return common::invalid_input(request_.recording.string() + ": --modules visual, but no camera in it");
   }
-  std::map<std::string, common::CameraCalibration> chosen;
   for (const auto& name : request_.cameras.empty() ? cameras : request_.cameras) {
-    chosen.emplace(name, recording().calibration.cameras.at(name));
+    cameras_.emplace(name, recording().calibration.cameras.at(name));
   }
   auto visual =
-      visual_slam::VisualSlam::create(request_.configuration.visual, chosen, request_.seed, useful_threads(request_));
+      visual_slam::VisualSlam::create(request_.configuration.visual, cameras_, request_.seed, useful_threads(request_));
   if (!visual) return tl::unexpected(visual.error());
   visual_ = std::move(*visual);
   return {};
@@ -266,7 +265,10 @@ ModuleCheckpoint RunSession::laser_checkpoint() const {
 }
 
 ModuleCheckpoint RunSession::visual_checkpoint() const {
-  return {.landmarks = visual_->landmarks(), .path = visual_->final_trajectory()};
+  return {.landmarks = visual_->landmarks(),
+          .keyframes = visual_->keyframes(),
+          .cameras = cameras_,
+          .path = visual_->final_trajectory()};
 }
 
 void RunSession::gather(RunSummary& summary) const {
@@ -289,7 +291,12 @@ void RunSession::gather(RunSummary& summary) const {
     summary.grid = grid();
     summary.laser_state = laser_ ? laser_->serialize().value_or(std::string()) : localization_state_;
   }
-  if (visual_) summary.landmarks = visual_->landmarks();
+  if (visual_) {
+    summary.landmarks = visual_->landmarks();
+    summary.keyframes = visual_->keyframes();
+    summary.cameras = cameras_;
+    summary.sample_images = visual_->sample_images();
+  }
 }
 
 }  // namespace slamfuse::service

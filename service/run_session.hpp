@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -62,6 +63,7 @@ class RunSession {
   std::unique_ptr<laser_slam::LaserLocalization> localization_;
   std::string localization_state_;  // of the map localised in, to be handed on as it is
   std::unique_ptr<visual_slam::VisualSlam> visual_;
+  std::map<std::string, common::CameraCalibration> cameras_;  // of the visual half
   std::unique_ptr<fusion::Fusion> fusion_;
 };
 

@@ -7,7 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "common/annotated_image.hpp"
+#include "common/calibration.hpp"
 #include "common/error.hpp"
+#include "common/keyframe.hpp"
 #include "common/landmark.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/trajectory.hpp"
@@ -49,7 +52,10 @@ struct RunSummary {
   std::optional<fusion::Alignment> alignment;             ///< when both modules ran
   std::optional<common::OccupancyGrid> grid;
   std::string laser_state;
-  std::vector<common::Landmark> landmarks;
+  std::vector<common::Landmark> landmarks;                   ///< of the visual map, in its frame
+  std::vector<common::Keyframe> keyframes;                   ///< there, too
+  std::map<std::string, common::CameraCalibration> cameras;  ///< of the visual module
+  std::vector<common::AnnotatedImage> sample_images;         ///< what it saw
 };
 
 }  // namespace slamfuse::service

@@ -14,7 +14,9 @@
 #include "visual_slam/camera_tracks.hpp"
 #include "visual_slam/ekf.hpp"
 #include "visual_slam/front_end.hpp"
+#include "visual_slam/image_sampler.hpp"
 #include "visual_slam/landmark_book.hpp"
+#include "visual_slam/observation_log.hpp"
 #include "visual_slam/path_recorder.hpp"
 #include "visual_slam/tracking_monitor.hpp"
 #include "visual_slam/turn_search.hpp"
@@ -46,6 +48,7 @@ class VisualSlam::Implementation {
         turn_search_(options.turn_search, cameras.size()),
         book_(options),
         monitor_(options.tracking),
+        observations_(options.map),
         filter_(options.filter, options.motion) {
     for (const auto& [name, calibration] : cameras) cameras_.emplace_back(Camera(name, calibration));
   }
@@ -72,6 +75,25 @@ class VisualSlam::Implementation {
   common::Trajectory3 spatial_trajectory() const { return path_.path(filter_); }
 
   std::vector<common::Landmark> landmarks() const { return book_.landmarks(filter_); }
+
+  std::vector<common::Keyframe> keyframes() const {
+    const common::Trajectory3 path = spatial_trajectory();  // its stamps never step back
+    std::vector<common::Keyframe> keyframes;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+      const Camera& camera = cameras_[i].camera;
+      for (const KeptPicture& picture : observations_.pictures(i)) {
+        const auto at = std::lower_bound(path.begin(), path.end(), picture.stamp,
+                                         [](const auto& pose, Nanoseconds stamp) { return pose.stamp < stamp; });
+        common::Pose3 T_map_camera;
+        T_map_camera.translation = optical_centre(camera, at->pose, filter_.lever_scale());
+        T_map_camera.rotation = at->pose.rotation * camera.calibration.T_base_camera.rotation;
+        keyframes.push_back({camera.name, picture.stamp, T_map_camera, picture.observations});
+      }
+    }
+    return keyframes;
+  }
+
+  std::vector<common::AnnotatedImage> sample_images() const { return sampler_.images(); }
 
  private:
   bool has_odometry() const { return options_.motion.model == MotionModelKind::kOdometry; }
@@ -132,7 +154,10 @@ class VisualSlam::Implementation {
     evidence.inliers = report.inliers;
     evidence.textured = has_texture(seeing, evidence.inliers);
     judge(evidence, events);
+    const std::size_t followed = seen.size() - recognised.size();
+    const std::size_t known = seeing.tracks.size();
     if (map_may_grow()) add_features(seeing, picture);
+    remember(seeing, image, seen, report, followed, known);
     limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
   }
@@ -296,6 +321,25 @@ class VisualSlam::Implementation {
     }
   }
 
+  /// Keeps what the map's export and the report show of the image: the first `followed` of `seen` come from the image
+  /// before, the others were recognised; the tracks from `known` on are new.
+  void remember(const CameraTracks& seeing, const common::Image& image, const std::vector<Track>& seen,
+                const UpdateReport& report, std::size_t followed, std::size_t known) {
+    if (monitor_.state() == common::TrackingState::kTracking) {
+      observations_.offer(index_of(seeing), image.stamp, odometry_pose_, seeing.tracks);
+    }
+    if (!sampler_.wants(image.sensor, image.stamp)) return;
+    common::AnnotatedImage sample{image, monitor_.state(), {}};
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const common::FeatureKind good = i < followed ? common::FeatureKind::kFollowed : common::FeatureKind::kRecognised;
+      sample.features.push_back({seen[i].pixel, report.accepted[i] ? good : common::FeatureKind::kRejected});
+    }
+    for (const Track& track : std::span(seeing.tracks).subspan(known)) {
+      sample.features.push_back({track.pixel, common::FeatureKind::kNew});
+    }
+    sampler_.keep(std::move(sample));
+  }
+
   void limit_map() {
     std::set<LandmarkId> followed;
     for (const CameraTracks& camera : cameras_) followed.merge(numbers(camera.tracks));
@@ -342,6 +386,7 @@ class VisualSlam::Implementation {
     path_.freeze(filter_);
     filter_ = Ekf(options_.filter, options_.motion);
     book_.clear();
+    observations_.clear();
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
     last_loop_.reset();
@@ -356,6 +401,8 @@ class VisualSlam::Implementation {
   TurnSearch turn_search_;  // without wheel odometry
   LandmarkBook book_;
   TrackingMonitor monitor_;
+  ObservationLog observations_;
+  ImageSampler sampler_;
   Ekf filter_;
   PathRecorder path_;
   common::OdometryBuffer odometry_;
@@ -394,5 +441,7 @@ void VisualSlam::execute(const common::Command& command) { implementation_->exec
 common::Trajectory2 VisualSlam::final_trajectory() const { return common::to_planar(spatial_trajectory()); }
 common::Trajectory3 VisualSlam::spatial_trajectory() const { return implementation_->spatial_trajectory(); }
 std::vector<common::Landmark> VisualSlam::landmarks() const { return implementation_->landmarks(); }
+std::vector<common::Keyframe> VisualSlam::keyframes() const { return implementation_->keyframes(); }
+std::vector<common::AnnotatedImage> VisualSlam::sample_images() const { return implementation_->sample_images(); }
 
 }  // namespace slamfuse::visual_slam

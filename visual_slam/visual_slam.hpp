@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "common/annotated_image.hpp"
 #include "common/calibration.hpp"
 #include "common/error.hpp"
+#include "common/keyframe.hpp"
 #include "common/landmark.hpp"
 #include "common/slam_module.hpp"
 #include "visual_slam/options.hpp"
@@ -49,6 +51,13 @@ class VisualSlam : public common::SlamModule {
 
   /// The landmarks of the current epoch whose depth is known, in the visual map's frame.
   std::vector<common::Landmark> landmarks() const;
+
+  /// The pictures of the current epoch that are remembered, by camera and then by time, with their poses as believed
+  /// now. Their observations may name landmarks that have left the map since.
+  std::vector<common::Keyframe> keyframes() const;
+
+  /// A few images of each camera, spread over the run, with what became of their features.
+  std::vector<common::AnnotatedImage> sample_images() const;
 
  private:
   class Implementation;

@@ -2,6 +2,9 @@
 #include "service/synthetic_report.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "common/angle.hpp"
 
@@ -68,6 +71,34 @@ ReportSource source(PoseSource which, std::size_t poses, double error) {
   return source;
 }
 
+/// Landmarks on the walls, and the cameras on the way.
+StructureAndMotion visual_map() {
+  StructureAndMotion map;
+  for (int i = 0; i < 80; ++i) {
+    common::Landmark landmark;
+    landmark.position = {2.8 * std::cos(0.7 * i), 3.9 * std::sin(1.3 * i), 1.0 + 0.8 * std::sin(2.9 * i)};
+    landmark.covariance = 0.002 * Eigen::Matrix3d::Identity();
+    map.landmarks.push_back(landmark);
+  }
+  for (int i = 0; i < 60; ++i) {
+    const common::Pose2 pose = on_loop(0.1 * i, 0.0);
+    map.path.push_back({kStart + 10 * i * kStep, pose});
+    map.keyframes.push_back({"cam0", map.path.back().stamp, common::to_pose3(pose), {}});
+  }
+  return map;
+}
+
+common::AnnotatedImage sample_image() {
+  common::AnnotatedImage sample;
+  sample.image.stamp = kStart + 50 * kStep;
+  sample.image.sensor = "cam0";
+  sample.image.width = 64;
+  sample.image.height = 48;
+  sample.image.pixels = std::make_shared<const std::vector<std::uint8_t>>(64 * 48, std::uint8_t{90});
+  sample.features = {{{10.0, 10.0}, common::FeatureKind::kNew}, {{30.0, 20.0}, common::FeatureKind::kRejected}};
+  return sample;
+}
+
 }  // namespace
 
 ReportData synthetic_report(std::size_t poses) {
@@ -82,6 +113,8 @@ ReportData synthetic_report(std::size_t poses) {
   data.start = kStart;
   data.grid = room();
   for (int i = 0; i < 60; ++i) data.landmarks.emplace_back(2.8 * std::cos(0.7 * i), 3.9 * std::sin(1.3 * i));
+  data.visual_map = visual_map();
+  data.sample_images = {sample_image()};
   data.sources = {source(PoseSource::kOdometry, poses, 0.6), source(PoseSource::kLaser, poses, 0.04),
                   source(PoseSource::kVisual, poses, 0.12), source(PoseSource::kFused, poses, 0.03)};
   data.accuracy = {{"odometry", "se2", 0.59, 1.2, 0.08, 3.1, 1.0},

@@ -85,6 +85,18 @@ TEST_F(MapBundleFiles, ReplaceAnOlderBundleWithoutALeftover) {
   EXPECT_THAT(names_in(map()), ElementsAre("grid.pgm", "grid.yaml", "laser.tum", "laser_state.bin", "map.yaml"));
 }
 
+TEST_F(MapBundleFiles, HoldAModelForOtherProgramsWhenThereAreKeyframes) {
+  MapBundle bundle = small_bundle();
+  bundle.keyframes.push_back({"cam0", 5, {}, {}});
+  bundle.cameras["cam0"] = {};
+  ASSERT_TRUE(write_map_bundle(bundle, map()).has_value());
+  EXPECT_THAT(names_in(map() / "colmap"), ElementsAre("cameras.txt", "images.txt", "points3D.txt"));
+  EXPECT_EQ(YAML::LoadFile((map() / "map.yaml").string())["visual_maps"][0]["colmap"].as<std::string>(), "colmap");
+  ASSERT_TRUE(read_map_bundle(map()).has_value());
+  put(map() / "colmap/images.txt", "");
+  expect_refused("colmap/images.txt");
+}
+
 TEST_F(MapBundleFiles, SayTheMappingMatrixWithAllItsDigits) {
   const YAML::Node link = YAML::LoadFile((map() / "map.yaml").string())["links"][0];
   EXPECT_EQ(link["verdict"].as<std::string>(), "accepted");
@@ -126,8 +138,13 @@ TEST_F(MapBundleFiles, AreRefusedWhenOversized) {
 }
 
 TEST_F(MapBundleFiles, AreRefusedWhenANameLeadsOutOfTheFolder) {
-  replace_in_yaml("name: laser_state.bin", "name: ../laser_state.bin");
-  expect_refused("../laser_state.bin");
+  std::string last = "laser_state.bin";
+  for (const std::string name : {"../laser_state.bin", "/laser_state.bin", "colmap/../../laser_state.bin", "a/b/c",
+                                 "./laser_state.bin", "colmap//laser_state.bin", "colmap/", "..\\\\laser_state.bin"}) {
+    replace_in_yaml("name: " + last, "name: " + name);
+    expect_refused("is not the name of a file of the map");
+    last = name;
+  }
 }
 
 TEST_F(MapBundleFiles, AreRefusedWhenMapYamlIsCutAnywhere) {

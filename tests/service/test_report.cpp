@@ -24,10 +24,11 @@ constexpr std::size_t kShort = 600;
 TEST(Report, IsWellFormedAndHasAllSections) {
   const std::string html = make_report(synthetic_report(kShort));
   EXPECT_EQ(nesting_fault(html), "");
-  for (const char* part : {"<!DOCTYPE html>", "Map</h2>", "Accuracy</h2>", "Error over time</h2>", "Position error",
-                           "Heading error", "Alignment of the visual with the laser path</h2>", "State over time</h2>",
-                           "Health over time</h2>", "Effective particles", "Features", "Modules</h2>",
-                           "Computing time</h2>", "Events</h2>", "sim/made_up", "loop_closed", "odometry"}) {
+  for (const char* part :
+       {"<!DOCTYPE html>", "Map</h2>", "Accuracy</h2>", "Error over time</h2>", "Position error", "Heading error",
+        "Structure and motion</h2>", "What the cameras saw</h2>", "Alignment of the visual with the laser path</h2>",
+        "State over time</h2>", "Health over time</h2>", "Effective particles", "Features", "Modules</h2>",
+        "Computing time</h2>", "Events</h2>", "sim/made_up", "loop_closed", "odometry"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
 }
@@ -39,7 +40,8 @@ TEST(Report, NeedsNothingFromOutside) {
   EXPECT_THAT(html, Not(HasSubstr("src=")));
   EXPECT_THAT(html, Not(HasSubstr("url(")));
   EXPECT_THAT(html, Not(HasSubstr("@import")));
-  EXPECT_EQ(occurrences(html, "href="), occurrences(html, "href=\"data:image/png;base64,"));
+  EXPECT_EQ(occurrences(html, "href="),
+            occurrences(html, "href=\"data:image/png;base64,") + occurrences(html, "href=\"data:image/jpeg;base64,"));
 }
 
 TEST(Report, IsTheSameForTheSameData) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The run command on the demo recording: files, contract of metrics.json, repeatability.
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "service/colmap_reader.hpp"
 #include "system/program.hpp"
 #include "system/scratch.hpp"
 
@@ -34,8 +36,9 @@ TEST(Run, WritesEveryFileOfTheContractAndNothingElse) {
               ElementsAre("fused.tum", "fused_final.tum", "laser.tum", "laser_final.tum", "map", "metrics.json",
                           "odometry.tum", "report.html", "status.csv", "visual.tum", "visual_final.tum"));
   EXPECT_THAT(names_in(scratch / "out/map"),
-              ElementsAre("fused.tum", "grid.pgm", "grid.yaml", "landmarks.bin", "landmarks.ply", "laser.tum",
+              ElementsAre("colmap", "fused.tum", "grid.pgm", "grid.yaml", "landmarks.bin", "landmarks.ply", "laser.tum",
                           "laser_state.bin", "map.yaml", "visual.tum"));
+  EXPECT_THAT(names_in(scratch / "out/map/colmap"), ElementsAre("cameras.txt", "images.txt", "points3D.txt"));
   EXPECT_EQ(outcome.err, "") << "quiet in a pipe";
   EXPECT_EQ(read_lines(scratch / "out/status.csv").front(), "stamp_ns,source,state,score,reasons");
   EXPECT_THAT(read_text(scratch / "out/report.html"), HasSubstr("</html>"));
@@ -102,9 +105,27 @@ TEST(Run, GivesTheSameBytesTwiceAndWithOneThreadOrTwo) {
     }
     EXPECT_EQ(read_text(scratch / other / "status.csv"), read_text(scratch / "a" / "status.csv"));
     for (const auto& name : names_in(scratch / "a" / "map")) {
+      if (fs::is_directory(scratch / "a" / "map" / name)) continue;
       EXPECT_EQ(read_text(scratch / other / "map" / name), read_text(scratch / "a" / "map" / name)) << name;
     }
   }
+}
+
+TEST(Run, ExportsAModelWhosePointsLieWhereTheImagesShowThem) {
+  const Scratch scratch;
+  ASSERT_EQ(run_program(run_flat(scratch / "out", {"--to", "12", "--modules", "visual"})).exit_status, 0);
+  const fs::path folder = scratch / "out/map/colmap";
+  const service::ColmapReader model(read_text(folder / "cameras.txt"), read_text(folder / "images.txt"),
+                                    read_text(folder / "points3D.txt"));
+  std::vector<double> errors = model.reprojection_errors();
+
+  EXPECT_EQ(model.cameras.size(), 2U);
+  EXPECT_GE(model.images.size(), 8U);
+  ASSERT_GT(errors.size(), 200U);
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 2.0) << "pixels";
+  const auto ply = read_lines(scratch / "out/map/landmarks.ply");
+  EXPECT_THAT(ply, testing::Contains("element vertex " + std::to_string(model.points.size())));
 }
 
 TEST(Run, SaysTheSeedInEveryTrajectoryFile) {
