@@ -7,16 +7,31 @@
 
 #include <Eigen/Cholesky>
 
+#include "common/angle.hpp"
 #include "visual_slam/consensus.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
 
-constexpr double kImpossible = 3.0;   // standard deviations an inverse depth may be below 0: cutting at 0 would keep
-                                      // only the landmarks that seem too near and so shrink the map
+constexpr double kImpossible = 3.0;      // standard deviations an inverse depth may be below 0: cutting at 0 would keep
+                                         // only the landmarks that seem too near and so shrink the map
+constexpr double kPlausible = 7.8;       // squared standard deviations of three numbers that 95 % stay below
+constexpr double kInflationStep = 1.25;  // factors of the covariance that are tried
+constexpr double kMostInflation = 1e6;
 constexpr double kBlindness = 100.0;  // times the noise of a bearing, along a parallax that must not count
 
 double square(double value) { return value * value; }
+
+Eigen::Vector3d pose_residual(const common::Pose2& from, const common::Pose2& to) {
+  return {to.x - from.x, to.y - from.y, common::normalize_angle(to.theta - from.theta)};
+}
+
+/// How a point that hangs on a pose moves with the pose's six numbers, see BodyPose.
+Eigen::Matrix<double, 3, 6> point_by_pose(const Eigen::Vector3d& point, const BodyPose& pose) {
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << Eigen::Matrix3d::Identity(), -cross_matrix(point - pose.position);
+  return jacobian;
+}
 
 /// S = H P H^T + R from P H^T.
 Eigen::MatrixXd innovation_covariance(const State& state, std::span<const LinearMeasurement> measurements,
@@ -44,13 +59,23 @@ Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion)
   motion_parameters_ = motion_->append_parameters(state_);
 }
 
+const PastPose* Ekf::keyframe_at(common::Nanoseconds stamp) const {
+  const auto found = std::find_if(past_poses_.begin(), past_poses_.end(),
+                                  [stamp](const PastPose& past) { return past.keyframe && past.stamp == stamp; });
+  return found == past_poses_.end() ? nullptr : &*found;
+}
+
 void Ekf::predict(const MotionStep& step) {
   if (motion_->predict(state_, robot_, motion_parameters_, step)) moved_ = true;
 }
 
+Eigen::Vector3d Ekf::numbers_of(const FilterLandmark& landmark) const {
+  return landmark.fixed ? landmark.fixed->position : Eigen::Vector3d(state_.mean(landmark.block));
+}
+
 std::optional<Projection> Ekf::project(const Camera& camera, const FilterLandmark& landmark,
                                        const BodyPose& row_shift) const {
-  const Eigen::Vector3d numbers = state_.mean(landmark.block);
+  const Eigen::Vector3d numbers = numbers_of(landmark);
   const BodyPose robot = body_pose(state_, robot_);
   if (!landmark.anchored) return project_cartesian(camera, row_shift, robot, numbers, lever_scale());
   return project_anchored(camera, row_shift, robot, landmark.anchor, body_pose(state_, landmark.anchor_pose), numbers,
@@ -69,7 +94,11 @@ std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Meas
   if (std::optional<JacobianPart<2>> lever = lever_part(projection->wrt_lever_scale)) {
     linear.jacobian.push_back(std::move(*lever));
   }
-  linear.jacobian.push_back({landmark.block, projection->wrt_landmark});
+  if (landmark.fixed) {
+    linear.noise += projection->wrt_landmark * landmark.fixed->covariance * projection->wrt_landmark.transpose();
+  } else {
+    linear.jacobian.push_back({landmark.block, projection->wrt_landmark});
+  }
   return linear;
 }
 
@@ -83,13 +112,25 @@ std::optional<JacobianPart<2>> Ekf::lever_part(const Eigen::Vector2d& wrt_lever_
 
 std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId landmark,
                                                const BodyPose& row_shift) const {
-  const FilterLandmark& entry = landmarks_.at(landmark);
+  return predict(camera, landmarks_.at(landmark), row_shift);
+}
+
+std::optional<Prediction> Ekf::predict_point(const Camera& camera, const MapPoint& point,
+                                             const BodyPose& row_shift) const {
+  return predict(camera, {.block = 0, .anchored = false, .anchor = {}, .fixed = point}, row_shift);
+}
+
+std::optional<Prediction> Ekf::predict(const Camera& camera, const FilterLandmark& entry,
+                                       const BodyPose& row_shift) const {
   const std::optional<Projection> projection = project(camera, entry, row_shift);
   if (!projection) return std::nullopt;
-  std::vector<JacobianPart<2>> parts = {pose_part(state_, robot_, projection->wrt_robot),
-                                        {entry.block, projection->wrt_landmark}};
+  std::vector<JacobianPart<2>> parts = {pose_part(state_, robot_, projection->wrt_robot)};
+  if (!entry.fixed) parts.push_back({entry.block, projection->wrt_landmark});
   if (entry.anchored) parts.push_back(pose_part(state_, entry.anchor_pose, projection->wrt_anchor));
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  if (entry.fixed) {
+    covariance = projection->wrt_landmark * entry.fixed->covariance * projection->wrt_landmark.transpose();
+  }
   for (const auto& [row, by_row] : parts) {
     for (const auto& [column, by_column] : parts) {
       covariance += by_row * state_.covariance(row, column) * by_column.transpose();
@@ -218,6 +259,27 @@ void Ekf::add_landmark(LandmarkId landmark, const Camera& camera, const Bearing&
   landmarks_.emplace(landmark, FilterLandmark{block, true, anchor.block, {&camera, bearing.row_shift}});
 }
 
+void Ekf::add_fixed_landmark(LandmarkId landmark, const MapPoint& point) {
+  landmarks_.emplace(landmark, FilterLandmark{.block = 0, .anchored = false, .anchor = {}, .fixed = point});
+}
+
+Eigen::Matrix3d Ekf::covariance_given(LandmarkId landmark, const PastPose& past) const {
+  const FilterLandmark& entry = landmarks_.at(landmark);
+  const Eigen::MatrixXd by_pose =
+      pose_part(state_, past.block, point_by_pose(state_.mean(entry.block), body_pose(state_, past.block))).matrix;
+  const Eigen::Matrix3d cross = by_pose * state_.covariance(past.block, entry.block);
+  return state_.covariance(entry.block, entry.block) - cross - cross.transpose() +
+         by_pose * state_.covariance(past.block, past.block) * by_pose.transpose();
+}
+
+void Ekf::add_point(LandmarkId landmark, const Eigen::Vector3d& position, const PastPose& past,
+                    const Eigen::Matrix3d& covariance) {
+  const JacobianPart<Eigen::Dynamic> part[] = {
+      {past.block, pose_part(state_, past.block, point_by_pose(position, body_pose(state_, past.block))).matrix}};
+  const BlockId block = state_.append(position, BlockKind::kPoint, part, covariance);
+  landmarks_.emplace(landmark, FilterLandmark{.block = block, .anchored = false, .anchor = {}});
+}
+
 std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const LandmarkId> landmarks) {
   std::vector<LandmarkId> impossible;
   for (const LandmarkId id : landmarks) {
@@ -252,7 +314,7 @@ void Ekf::remove(std::span<const LandmarkId> landmarks) {
   for (const LandmarkId id : landmarks) {
     const FilterLandmark& landmark = landmarks_.at(id);
     if (landmark.anchored) --past_pose_of(landmark.anchor_pose).anchored;
-    blocks.push_back(landmark.block);
+    if (!landmark.fixed) blocks.push_back(landmark.block);
     landmarks_.erase(id);
   }
   remove_blocks(std::move(blocks));
@@ -288,6 +350,27 @@ void Ekf::add_keyframe(common::Nanoseconds stamp, int max_keyframes) {
   remove_blocks({});
 }
 
+double Ekf::distance_to(const common::Pose2& measured, const Eigen::Matrix3d& covariance) const {
+  const Eigen::Vector3d residual = pose_residual(pose(), measured);
+  return residual.dot((pose_covariance() + covariance).llt().solve(residual));
+}
+
+void Ekf::correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d residual = pose_residual(pose(), measured);
+  double factor = 1.0;
+  while (factor < kMostInflation &&
+         residual.dot((factor * pose_covariance() + covariance).llt().solve(residual)) > kPlausible) {
+    factor *= kInflationStep;
+  }
+  state_.inflate(factor);
+  const Eigen::MatrixXd gain_side = state_.covariance().middleCols(state_.offset(robot_), 3);
+  const Eigen::LLT<Eigen::Matrix3d> llt(pose_covariance() + covariance);
+  const Eigen::VectorXd step = gain_side * llt.solve(residual);
+  state_.subtract_outer_product(llt.matrixL().solve(gain_side.transpose()).transpose());
+  state_.correct(step);
+  moved_ = true;
+}
+
 std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen::Matrix3d& covariance) {
   std::vector<LandmarkId> without_depth;
   for (const auto& [id, landmark] : landmarks_) {
@@ -301,13 +384,14 @@ std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen
 
 std::optional<MapPoint> Ekf::map_point(LandmarkId landmark) const {
   const FilterLandmark& entry = landmarks_.at(landmark);
+  if (entry.fixed) return entry.fixed;
   if (entry.anchored) return std::nullopt;
   return MapPoint{state_.mean(entry.block), state_.covariance(entry.block, entry.block)};
 }
 
 std::optional<Eigen::Vector3d> Ekf::likely_position(LandmarkId landmark) const {
   const FilterLandmark& entry = landmarks_.at(landmark);
-  const Eigen::Vector3d numbers = state_.mean(entry.block);
+  const Eigen::Vector3d numbers = numbers_of(entry);
   if (!entry.anchored) return numbers;
   if (numbers.z() <= 0.0) return std::nullopt;
   return to_cartesian(entry.anchor, body_pose(state_, entry.anchor_pose), numbers, lever_scale()).position;

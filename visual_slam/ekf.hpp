@@ -66,6 +66,8 @@ class Ekf {
   /// base_link in the plane; of a free camera's pose the part in the plane.
   common::Pose2 pose() const { return planar_pose(state_, robot_); }
   Eigen::Matrix3d pose_covariance() const { return planar_covariance(state_, robot_); }
+  /// Whether it knows of the plane only.
+  bool is_planar() const { return state_.kind(robot_) == BlockKind::kPose; }
   /// base_link with height, pitch and roll, which are 0 in a planar filter.
   common::Pose3 spatial_pose() const { return visual_slam::spatial_pose(state_, robot_); }
   /// The numbers of the motion model: for odometry, the OdometryCalibration.
@@ -82,6 +84,8 @@ class Ekf {
   const std::vector<PastPose>& past_poses() const { return past_poses_; }
   common::Pose2 past_pose(const PastPose& past) const { return planar_pose(state_, past.block); }
   common::Pose3 spatial_past_pose(const PastPose& past) const { return visual_slam::spatial_pose(state_, past.block); }
+  /// The keyframe of that stamp; null when there is none.
+  const PastPose* keyframe_at(common::Nanoseconds stamp) const;
   bool has(LandmarkId landmark) const { return landmarks_.contains(landmark); }
   std::size_t landmark_count() const { return landmarks_.size(); }
   bool is_cartesian(LandmarkId landmark) const { return !landmarks_.at(landmark).anchored; }
@@ -90,6 +94,8 @@ class Ekf {
   void predict(const MotionStep& step);
   /// Where a landmark should appear in an image taken now; empty when it is behind the camera.
   std::optional<Prediction> predict_bearing(const Camera& camera, LandmarkId landmark, const BodyPose& row_shift) const;
+  /// The same for a point that is not in the filter, the correlation of its error with the pose's taken for zero.
+  std::optional<Prediction> predict_point(const Camera& camera, const MapPoint& point, const BodyPose& row_shift) const;
   /// Corrects everything by the bearings of one image. Bearings that do not fit are left out (find_consensus).
   ///
   /// While the depth of a landmark is poorly known, only the part of its bearing across the epipolar line corrects the
@@ -100,6 +106,17 @@ class Ekf {
   /// Enters a landmark seen the first time, by inverse depth, undelayed (seed 002 section 2.3). `stamp` is that of the
   /// image; landmarks of one stamp share their anchor. The camera must outlive the landmark.
   void add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& bearing, common::Nanoseconds stamp);
+  /// Enters a landmark of a saved map: it helps to find the pose but is not estimated. Its uncertainty enters as noise
+  /// of its measurements (Schmidt's consider filter with the correlation between pose and map left out: a saved map has
+  /// none), so the state does not grow (seed 000 section G).
+  void add_fixed_landmark(LandmarkId landmark, const MapPoint& point);
+  /// What is not known of a landmark's place even if the past pose were known exactly: the covariance of its error less
+  /// what the error of the past pose makes of it, in the map's axes.
+  Eigen::Matrix3d covariance_given(LandmarkId landmark, const PastPose& past) const;
+  /// Enters a landmark whose place is known relative to a past pose: it gets that pose's error and correlations, and
+  /// `covariance`, as of covariance_given(), on top.
+  void add_point(LandmarkId landmark, const Eigen::Vector3d& position, const PastPose& past,
+                 const Eigen::Matrix3d& covariance);
   /// Makes the landmarks Cartesian that have become linear; `camera` has just seen them. Those whose inverse depth is
   /// not positive are returned: they are no points of this world.
   std::vector<LandmarkId> convert(const Camera& camera, std::span<const LandmarkId> landmarks);
@@ -107,6 +124,12 @@ class Ekf {
 
   /// Keeps the current pose for the final trajectory. Over `max_keyframes` the one that is missed least goes.
   void add_keyframe(common::Nanoseconds stamp, int max_keyframes);
+  /// How far a pose is from the estimate, in squared standard deviations of both together (three degrees of freedom).
+  double distance_to(const common::Pose2& measured, const Eigen::Matrix3d& covariance) const;
+  /// Corrects everything by a measured pose. When it contradicts the estimate, which then was more certain of itself
+  /// than it should have been, all covariances are first enlarged by the factor that makes it plausible; without that
+  /// the correction would stop half-way.
+  void correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& covariance);
   /// Replaces the robot's pose in the plane; it knows nothing of the landmarks any more, and landmarks without depth
   /// go.
   std::vector<LandmarkId> set_pose(const common::Pose2& pose, const Eigen::Matrix3d& covariance);
@@ -123,9 +146,14 @@ class Ekf {
     bool anchored = true;
     std::size_t anchor_pose = 0;  // block of the past pose
     Anchor anchor;
+    std::optional<MapPoint> fixed = {};  // of a saved map: no block of the state
   };
 
+  /// The landmark's numbers: from the state, or those of a saved map.
+  Eigen::Vector3d numbers_of(const FilterLandmark& landmark) const;
   std::optional<Projection> project(const Camera& camera, const FilterLandmark& landmark,
+                                    const BodyPose& row_shift) const;
+  std::optional<Prediction> predict(const Camera& camera, const FilterLandmark& landmark,
                                     const BodyPose& row_shift) const;
   std::optional<LinearMeasurement> linearise(const Camera& camera, const Measurement& measurement) const;
   std::optional<JacobianPart<2>> lever_part(const Eigen::Vector2d& wrt_lever_scale) const;

@@ -21,6 +21,7 @@ std::optional<Eigen::Vector2d> predict_pixel(const Ekf& filter, const Camera& ca
 void LandmarkBook::clear() {
   records_.clear();
   recogniser_.clear();
+  archive_.clear();
 }
 
 LandmarkId LandmarkBook::enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp) {
@@ -33,11 +34,31 @@ LandmarkId LandmarkBook::enter(const cv::Mat& picture, const Eigen::Vector2d& pi
 
 void LandmarkBook::forget(LandmarkId landmark) {
   records_.erase(landmark);
-  recogniser_.forget(landmark);
+  if (!archive_.contains(landmark)) recogniser_.forget(landmark);
+}
+
+void LandmarkBook::restore(const common::Landmark& landmark) {
+  Record record;
+  record.found = landmark.observations;
+  record.fixed = true;
+  record.gray = landmark.gray;
+  record.descriptor = landmark.descriptor;
+  records_.insert_or_assign(landmark.id, std::move(record));
+  recogniser_.restore(landmark.id, landmark.views);
+  next_ = std::max(next_, landmark.id + 1);
+}
+
+void LandmarkBook::fail(LandmarkId landmark) {
+  Record& record = records_.at(landmark);
+  if (!record.fixed) ++record.failed;
 }
 
 double LandmarkBook::confirm(LandmarkId landmark, common::Nanoseconds stamp) {
   Record& record = records_.at(landmark);
+  if (record.fixed) {
+    record.last_seen = stamp;
+    return 0.0;
+  }
   ++record.found;
   return common::to_seconds(stamp - std::exchange(record.last_seen, stamp));
 }
@@ -50,7 +71,11 @@ std::vector<Track> LandmarkBook::recognise(const Ekf& filter, const Camera& came
   std::vector<RecognitionCandidate> candidates;
   for (const auto& [id, record] : records_) {
     if (followed.contains(id) || !recogniser_.knows(id)) continue;
-    if (std::optional<RecognitionCandidate> one = candidate(filter, camera, twist, id)) candidates.push_back(*one);
+    const std::optional<MapPoint> point = filter.map_point(id);
+    if (!point) continue;
+    if (std::optional<RecognitionCandidate> one = candidate(filter, camera, twist, id, *point)) {
+      candidates.push_back(*one);
+    }
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [this](const auto& a, const auto& b) { return records_.at(a.id).found > records_.at(b.id).found; });
@@ -66,20 +91,62 @@ std::vector<Track> LandmarkBook::recognise(const Ekf& filter, const Camera& came
   return recognised;
 }
 
+std::vector<Track> LandmarkBook::recall(Ekf& filter, const Camera& camera, const BodyTwist& twist,
+                                        const cv::Mat& picture, int wanted) {
+  std::vector<Track> recalled;
+  if (!options_.recognition.enabled || wanted <= 0) return recalled;
+  struct Known {
+    RecognitionCandidate candidate;
+    int observations;
+  };
+  std::vector<Known> candidates;
+  for (const common::Landmark& landmark : archive_.landmarks(filter)) {
+    const MapPoint point{landmark.position, landmark.covariance};
+    if (std::optional<RecognitionCandidate> one = candidate(filter, camera, twist, landmark.id, point)) {
+      candidates.push_back({*one, landmark.observations});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Known& a, const Known& b) { return a.observations > b.observations; });
+  const std::size_t limit = static_cast<std::size_t>(options_.recognition.candidates_per_image);
+  if (candidates.size() > limit) candidates.resize(limit);
+  for (const Known& one : candidates) {
+    const std::optional<FoundFeature> found = recogniser_.find(picture, one.candidate);
+    if (!found) continue;
+    const ArchivedLandmark archived = archive_.take(filter, found->id);
+    filter.add_point(found->id, archived.landmark.position, *filter.keyframe_at(archived.keyframe),
+                     archived.relative_covariance);
+    Record record;
+    record.found = archived.landmark.observations;
+    record.last_seen = archived.last_seen;
+    record.gray = archived.landmark.gray;
+    record.descriptor = archived.landmark.descriptor;
+    records_.emplace(found->id, std::move(record));
+    recalled.push_back({found->id, found->pixel});
+    if (static_cast<int>(recalled.size()) == wanted) break;
+  }
+  return recalled;
+}
+
 std::optional<RecognitionCandidate> LandmarkBook::candidate(const Ekf& filter, const Camera& camera,
-                                                            const BodyTwist& twist, LandmarkId landmark) const {
-  const std::optional<MapPoint> point = filter.map_point(landmark);
-  if (!point) return std::nullopt;
+                                                            const BodyTwist& twist, LandmarkId landmark,
+                                                            const MapPoint& point) const {
   RecognitionCandidate result;
   result.id = landmark;
-  result.view = point->position - filter.camera_centre(camera);
+  result.view = point.position - filter.camera_centre(camera);
   if (!recogniser_.comparable(landmark, result.view)) return std::nullopt;
   const double border = options_.front_end.border;
   const double pixel_sigma = options_.filter.pixel_sigma;
-  const std::optional<Eigen::Vector2d> rough = predict_pixel(filter, camera, landmark);
-  if (!rough || !camera.sees(*rough, border)) return std::nullopt;
-  const BodyPose row_shift = make_bearing(camera, *rough, pixel_sigma, twist).row_shift;
-  const std::optional<Prediction> prediction = filter.predict_bearing(camera, landmark, row_shift);
+  const auto predict = [&](const BodyPose& row_shift) {
+    return filter.has(landmark) ? filter.predict_bearing(camera, landmark, row_shift)
+                                : filter.predict_point(camera, point, row_shift);
+  };
+  const std::optional<Prediction> rough = predict({});
+  if (!rough) return std::nullopt;
+  const std::optional<Eigen::Vector2d> rough_pixel = camera.calibration.project(rough->point.homogeneous());
+  if (!rough_pixel || !camera.sees(*rough_pixel, border)) return std::nullopt;
+  const std::optional<Prediction> prediction =
+      predict(make_bearing(camera, *rough_pixel, pixel_sigma, twist).row_shift);
   if (!prediction) return std::nullopt;
   const std::optional<Eigen::Vector2d> pixel = camera.calibration.project(prediction->point.homogeneous());
   if (!pixel || !camera.sees(*pixel, border)) return std::nullopt;
@@ -92,19 +159,22 @@ std::optional<RecognitionCandidate> LandmarkBook::candidate(const Ekf& filter, c
 void LandmarkBook::learn_looks(const Ekf& filter, const Camera& camera, const cv::Mat& picture,
                                std::span<const Track> tracks) {
   std::vector<Eigen::Vector2d> pixels;
-  std::vector<Record*> undescribed;
+  std::vector<LandmarkId> seen_anew;
   for (const Track& track : tracks) {
     const std::optional<MapPoint> point = filter.map_point(track.landmark);
-    if (!point) continue;
-    recogniser_.remember(track.landmark, picture, track.pixel, point->position - filter.camera_centre(camera));
-    Record& record = records_.at(track.landmark);
-    if (record.descriptor.empty()) {
-      pixels.push_back(track.pixel);
-      undescribed.push_back(&record);
+    if (!point || records_.at(track.landmark).fixed) continue;
+    if (!recogniser_.remember(track.landmark, picture, track.pixel, point->position - filter.camera_centre(camera))) {
+      continue;
     }
+    pixels.push_back(track.pixel);
+    seen_anew.push_back(track.landmark);
   }
   std::vector<std::vector<std::uint8_t>> descriptors = describe(picture, pixels);
-  for (std::size_t i = 0; i < undescribed.size(); ++i) undescribed[i]->descriptor = std::move(descriptors[i]);
+  for (std::size_t i = 0; i < seen_anew.size(); ++i) {
+    std::vector<std::uint8_t>& first = records_.at(seen_anew[i]).descriptor;
+    if (first.empty()) first = descriptors[i];
+    recogniser_.describe_last(seen_anew[i], std::move(descriptors[i]));
+  }
 }
 
 std::vector<LandmarkId> LandmarkBook::failing() const {
@@ -119,28 +189,51 @@ std::vector<LandmarkId> LandmarkBook::surplus(const std::set<LandmarkId>& follow
   const std::size_t limit = static_cast<std::size_t>(options_.map.max_landmarks);
   std::vector<LandmarkId> surplus;
   if (records_.size() <= limit) return surplus;
+  std::size_t estimated = 0;
   std::vector<std::tuple<int, common::Nanoseconds, LandmarkId>> idle;
   for (const auto& [id, record] : records_) {
+    if (record.fixed) continue;
+    ++estimated;
     if (!followed.contains(id)) idle.emplace_back(record.found, record.last_seen, id);
   }
   std::sort(idle.begin(), idle.end());
-  for (std::size_t i = 0; i < idle.size() && records_.size() - surplus.size() > limit; ++i) {
+  for (std::size_t i = 0; i < idle.size() && estimated - surplus.size() > limit; ++i) {
     surplus.push_back(std::get<2>(idle[i]));
   }
   return surplus;
 }
 
+std::optional<common::Landmark> LandmarkBook::landmark(const Ekf& filter, LandmarkId id, const Record& record) const {
+  const std::optional<MapPoint> point = filter.map_point(id);
+  if (!point) return std::nullopt;
+  return common::Landmark{.id = id,
+                          .position = point->position,
+                          .covariance = point->covariance,
+                          .gray = record.gray,
+                          .observations = record.found,
+                          .descriptor = record.descriptor,
+                          .views = recogniser_.views(id)};
+}
+
+void LandmarkBook::archive(const Ekf& filter, std::span<const LandmarkId> leaving) {
+  for (const LandmarkId id : leaving) {
+    const Record& record = records_.at(id);
+    std::optional<common::Landmark> known = landmark(filter, id, record);
+    if (!known || known->views.empty()) continue;
+    known->views.clear();
+    const std::optional<LandmarkId> gone = archive_.add(filter, std::move(*known), record.last_seen);
+    if (gone && *gone != id) recogniser_.forget(*gone);
+  }
+}
+
 std::vector<common::Landmark> LandmarkBook::landmarks(const Ekf& filter) const {
   std::vector<common::Landmark> result;
   for (const auto& [id, record] : records_) {
-    const std::optional<MapPoint> point = filter.map_point(id);
-    if (!point) continue;
-    result.push_back({.id = id,
-                      .position = point->position,
-                      .covariance = point->covariance,
-                      .gray = record.gray,
-                      .observations = record.found,
-                      .descriptor = record.descriptor});
+    if (std::optional<common::Landmark> known = landmark(filter, id, record)) result.push_back(std::move(*known));
+  }
+  for (common::Landmark& archived : archive_.landmarks(filter)) {
+    archived.views = recogniser_.views(archived.id);
+    result.push_back(std::move(archived));
   }
   return result;
 }

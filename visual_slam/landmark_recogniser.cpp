@@ -10,7 +10,8 @@
 namespace slamfuse::visual_slam {
 namespace {
 
-constexpr int kPatchRadius = 18;        // [px] of the picture kept of a landmark
+constexpr int kPatchRadius = 18;  // [px] of the picture kept of a landmark
+constexpr int kPatchSide = 2 * kPatchRadius + 1;
 constexpr int kTemplateRadius = 7;      // [px] of what is compared
 constexpr std::size_t kMaxLooks = 6;    // views kept of a landmark
 constexpr double kSimilarScale = 1.25;  // views nearer than this in distance...
@@ -50,22 +51,40 @@ bool has_contrast(const cv::Mat& image) {
 
 }  // namespace
 
-void LandmarkRecogniser::remember(std::int64_t landmark, const cv::Mat& picture, const Eigen::Vector2d& pixel,
+bool LandmarkRecogniser::remember(std::int64_t landmark, const cv::Mat& picture, const Eigen::Vector2d& pixel,
                                   const Eigen::Vector3d& view) {
   if (pixel.x() < kPatchRadius || pixel.y() < kPatchRadius || pixel.x() > picture.cols - 1 - kPatchRadius ||
       pixel.y() > picture.rows - 1 - kPatchRadius) {
-    return;
+    return false;
   }
   std::vector<Look>& looks = looks_[landmark];
   for (const Look& look : looks) {
     const double scale = look.view.norm() / view.norm();
-    if (std::max(scale, 1.0 / scale) < kSimilarScale && angle_between(look.view, view) < kSimilarAngle) return;
+    if (std::max(scale, 1.0 / scale) < kSimilarScale && angle_between(look.view, view) < kSimilarAngle) return false;
   }
-  if (looks.size() >= kMaxLooks) return;
+  if (looks.size() >= kMaxLooks) return false;
   cv::Mat patch;
-  cv::getRectSubPix(picture, {2 * kPatchRadius + 1, 2 * kPatchRadius + 1},
-                    {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())}, patch);
+  cv::getRectSubPix(picture, {kPatchSide, kPatchSide}, {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())},
+                    patch);
   looks.push_back({patch, view});
+  return true;
+}
+
+std::vector<common::LandmarkView> LandmarkRecogniser::views(std::int64_t landmark) const {
+  std::vector<common::LandmarkView> views;
+  const auto known = looks_.find(landmark);
+  if (known == looks_.end()) return views;
+  for (const Look& look : known->second) {
+    views.push_back({look.view, look.descriptor, {look.patch.begin<std::uint8_t>(), look.patch.end<std::uint8_t>()}});
+  }
+  return views;
+}
+
+void LandmarkRecogniser::restore(std::int64_t landmark, std::span<const common::LandmarkView> views) {
+  for (const common::LandmarkView& view : views) {
+    if (view.patch.size() != static_cast<std::size_t>(kPatchSide * kPatchSide)) continue;
+    looks_[landmark].push_back({cv::Mat(view.patch, true).reshape(1, kPatchSide), view.direction, view.descriptor});
+  }
 }
 
 const LandmarkRecogniser::Look* LandmarkRecogniser::best_look(std::int64_t landmark,

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "common/landmark.hpp"
 #include "visual_slam/front_end.hpp"
 #include "visual_slam/options.hpp"
 
@@ -30,9 +31,18 @@ class LandmarkRecogniser {
  public:
   explicit LandmarkRecogniser(const RecognitionOptions& options) : options_(options) {}
 
-  /// Takes another look at a landmark of known place; kept if no kept view is similar. `view` as above.
-  void remember(std::int64_t landmark, const cv::Mat& picture, const Eigen::Vector2d& pixel,
+  /// Takes another look at a landmark of known place; kept if no kept view is similar, and then true is returned.
+  /// `view` as above.
+  bool remember(std::int64_t landmark, const cv::Mat& picture, const Eigen::Vector2d& pixel,
                 const Eigen::Vector3d& view);
+  /// Says the descriptor of the look that was kept last.
+  void describe_last(std::int64_t landmark, std::vector<std::uint8_t> descriptor) {
+    looks_.at(landmark).back().descriptor = std::move(descriptor);
+  }
+  /// All that is known of how a landmark looks, to be kept elsewhere.
+  std::vector<common::LandmarkView> views(std::int64_t landmark) const;
+  /// Takes it back. Views without a patch of this class's size cannot be looked for and are left out.
+  void restore(std::int64_t landmark, std::span<const common::LandmarkView> views);
   void forget(std::int64_t landmark) { looks_.erase(landmark); }
   void clear() { looks_.clear(); }
   bool knows(std::int64_t landmark) const { return looks_.contains(landmark); }
@@ -49,6 +59,7 @@ class LandmarkRecogniser {
   struct Look {
     cv::Mat patch;
     Eigen::Vector3d view;
+    std::vector<std::uint8_t> descriptor = {};
   };
 
   const Look* best_look(std::int64_t landmark, const Eigen::Vector3d& view) const;

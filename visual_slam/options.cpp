@@ -95,6 +95,23 @@ void RecognitionOptions::describe(OptionVisitor& visit) {
   visit.integer("loop_landmarks", loop_landmarks, {1, 1000}, "", "So many of them in one image make the event.");
 }
 
+void RelocalisationOptions::describe(OptionVisitor& visit) {
+  visit.flag("enabled", enabled, "Search the whole map for the pose when it is lost, and for loops to close.");
+  visit.choice("search", search, {{"complete", DescriptorSearch::kComplete}, {"flann", DescriptorSearch::kFlann}},
+               "How the landmarks a feature looks like are searched: each with each, or approximately by FLANN.");
+  visit.integer("features", features, {20, 2000}, "", "Features of an image that are looked up.");
+  visit.integer("max_distance", max_distance, {1, 256}, "bits", "Descriptors that differ more are no match.");
+  visit.real("ratio", ratio, {0.1, 1.0}, "", "The next landmark at another place must differ more by this factor.");
+  visit.integer("hypotheses", hypotheses, {10, 100000}, "", "Poses through two matches that are tried an image.");
+  visit.real("inlier_radius", inlier_radius, {0.5, 50.0}, "px",
+             "A match this near to a pose's prediction agrees with it.");
+  visit.integer("min_landmarks", min_landmarks, {3, 1000}, "", "So many different landmarks must agree...");
+  visit.integer("min_images", min_images, {1, 100}, "", "...seen in so many images...");
+  visit.real("clear_lead", clear_lead, {1.0, 100.0}, "", "...and so many times more than with any pose elsewhere.");
+  visit.real("memory", memory, {0.0, 60.0}, "s", "Images as old as this still count...");
+  visit.integer("max_images", max_images, {1, 1000}, "", "...and at most so many.");
+}
+
 void FilterOptions::describe(OptionVisitor& visit) {
   visit.real("pixel_sigma", pixel_sigma, {0.05, 20.0}, "px", "Noise of a measured feature position.");
   visit.real("initial_inverse_depth", initial_inverse_depth, {0.001, 10.0}, "1/m",
@@ -117,6 +134,8 @@ void FilterOptions::describe(OptionVisitor& visit) {
 
 void MapOptions::describe(OptionVisitor& visit) {
   visit.integer("max_landmarks", max_landmarks, {10, 2000}, "", "Landmarks in the state at most.");
+  visit.integer("max_archived", max_archived, {1, 100000}, "",
+                "Landmarks that left the state and are kept for recognising places, at most.");
   visit.integer("max_keyframes", max_keyframes, {2, 2000}, "", "Past poses in the state at most.");
   visit.real("keyframe_distance", keyframe_distance, {0.01, 10.0}, "m", "A pose is kept after driving this far...");
   visit.real("keyframe_turn", keyframe_turn, {1.0, 180.0}, "deg", "...or turning this far.");
@@ -136,6 +155,7 @@ void VisualSlamOptions::describe(OptionVisitor& visit) {
   visit.nested("front_end", front_end, "How features are found and followed.");
   visit.nested("turn_search", turn_search, "Where features are looked for after a turn without wheel odometry.");
   visit.nested("recognition", recognition, "How lost landmarks are found again.");
+  visit.nested("relocalisation", relocalisation, "How the pose is found in the whole map.");
   visit.nested("filter", filter, "The extended Kalman filter.");
   visit.nested("map", map, "Which landmarks and poses stay in the state.");
   visit.nested("tracking", tracking, "When the estimate is called uncertain or lost.");

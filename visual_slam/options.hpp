@@ -91,6 +91,30 @@ struct RecognitionOptions {
   void describe(common::OptionVisitor& visit);
 };
 
+/// How the nearest descriptors are searched (seed 000 section II D).
+enum class DescriptorSearch {
+  kComplete,  ///< each with each: exact
+  kFlann,     ///< approximate nearest neighbours by locality-sensitive hashing
+};
+
+/// How the pose is found in the whole map.
+struct RelocalisationOptions {
+  bool enabled = true;
+  DescriptorSearch search = DescriptorSearch::kComplete;
+  int features = 250;
+  int max_distance = 60;  ///< [bits of 256]
+  double ratio = 0.85;
+  int hypotheses = 600;
+  double inlier_radius = 4.0;  ///< [px]
+  int min_landmarks = 10;
+  int min_images = 3;
+  double clear_lead = 1.6;
+  double memory = 3.0;  ///< [s]
+  int max_images = 12;
+
+  void describe(common::OptionVisitor& visit);
+};
+
 /// The extended Kalman filter.
 struct FilterOptions {
   double pixel_sigma = 1.0;            ///< [px]
@@ -108,6 +132,7 @@ struct FilterOptions {
 /// Which landmarks and poses stay in the state.
 struct MapOptions {
   int max_landmarks = 260;
+  int max_archived = 3000;
   int max_keyframes = 120;
   double keyframe_distance = 0.5;  ///< [m]
   double keyframe_turn = 30.0;     ///< [deg]
@@ -131,6 +156,7 @@ struct VisualSlamOptions {
   FrontEndOptions front_end;
   TurnSearchOptions turn_search;
   RecognitionOptions recognition;
+  RelocalisationOptions relocalisation;
   FilterOptions filter;
   MapOptions map;
   TrackingOptions tracking;

@@ -19,6 +19,8 @@ class PathRecorder {
   void add(common::Nanoseconds stamp, const common::Pose3& odometry, const common::Pose3& estimate);
   /// The pose is about to be replaced from outside: nothing is blended across this point.
   void start_segment() { ++segment_; }
+  /// The estimates since `since` turned out to be somewhere else: they hang on what comes after them.
+  void restart_since(common::Nanoseconds since);
   /// The map is about to be forgotten: the path so far stays as `filter` believes it now.
   void freeze(const Ekf& filter);
   /// Planar filters keep it in the plane z = 0.
@@ -30,7 +32,11 @@ class PathRecorder {
     int segment;
     common::Pose3 odometry;
     common::Pose3 estimate;
+    bool misplaced;  // no keyframe there counts
   };
+
+  /// The poses from an entry on.
+  common::Trajectory3 path_from(std::size_t first, const Ekf& filter) const;
 
   std::vector<Entry> entries_;
   int segment_ = 0;

@@ -88,6 +88,8 @@ class State {
   /// Corrects one block alone by one measured number, residual = h^T e + noise, and takes all other blocks as they are
   /// (Schmidt's consider update): their uncertainty counts, but they learn nothing.
   void correct_alone(BlockId block, double residual, std::span<const JacobianPart<1>> jacobian, double variance);
+  /// P <- factor P: the estimate turned out to be less certain than it says.
+  void inflate(double factor) { covariance_.topLeftCorner(size_, size_) *= factor; }
   /// P <- P - Y Y^T.
   void subtract_outer_product(const Eigen::MatrixXd& y);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "visual_slam/tracking_monitor.hpp"
 
+#include <limits>
+
 namespace slamfuse::visual_slam {
 namespace {
 
@@ -36,6 +38,13 @@ void TrackingMonitor::pose_was_set() {
   confirmed_ = false;
   contradicted_ = false;
   state_ = common::TrackingState::kUncertain;
+}
+
+void TrackingMonitor::lose() {
+  started_ = true;
+  contradicted_ = true;
+  last_good_ = std::numeric_limits<common::Nanoseconds>::min() / 2;
+  state_ = common::TrackingState::kLost;
 }
 
 }  // namespace slamfuse::visual_slam

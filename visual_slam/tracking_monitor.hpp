@@ -30,6 +30,8 @@ class TrackingMonitor {
   bool map_may_grow() const { return !contradicted_; }
   /// The pose came from outside: uncertain until the next good image.
   void pose_was_set();
+  /// Nothing is known of the pose: lost until the next good image.
+  void lose();
   common::TrackingState state() const { return state_; }
 
  private:

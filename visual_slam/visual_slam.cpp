@@ -18,6 +18,7 @@
 #include "visual_slam/landmark_book.hpp"
 #include "visual_slam/observation_log.hpp"
 #include "visual_slam/path_recorder.hpp"
+#include "visual_slam/place_search.hpp"
 #include "visual_slam/tracking_monitor.hpp"
 #include "visual_slam/turn_search.hpp"
 
@@ -30,6 +31,8 @@ using common::Pose3;
 
 constexpr Nanoseconds kTwistInterval = 50'000'000;                              // over which the speed is taken
 constexpr Nanoseconds kLoopEventInterval = 10 * common::kNanosecondsPerSecond;  // one event a visit, not one an image
+constexpr double kCarriedAway = 16.3;  // squared standard deviations, by which one pose in 1000 misses by chance
+constexpr double kUnknown = 100.0;     // [m], [rad] standard deviation of a pose nothing is known of
 constexpr double kRefillShare = 0.15;  // new features are looked for when so many of the wanted are missing
 
 std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
@@ -42,11 +45,13 @@ std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
 
 class VisualSlam::Implementation {
  public:
-  Implementation(const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras)
+  Implementation(const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
+                 std::uint64_t seed)
       : options_(options),
         front_end_(make_front_end(options.front_end, cameras.size())),
         turn_search_(options.turn_search, cameras.size()),
         book_(options),
+        search_(options.relocalisation, seed),
         monitor_(options.tracking),
         observations_(options.map),
         filter_(options.filter, options.motion) {
@@ -67,9 +72,20 @@ class VisualSlam::Implementation {
   void execute(const common::Command& command) {
     if (const auto* set = std::get_if<common::SetPose>(&command)) set_pose(*set);
     if (std::holds_alternative<common::Reset>(command)) reset();
-    if (std::holds_alternative<common::Relocalise>(command)) {
-      waiting_events_.push_back(event("refused", "a search of the whole map is not possible yet"));
+    if (std::holds_alternative<common::Relocalise>(command)) relocalise();
+  }
+
+  /// Whether a pose can be found in the whole map.
+  bool can_search() const { return options_.relocalisation.enabled && filter_.is_planar(); }
+
+  void load(const std::vector<common::Landmark>& map, MapUse use) {
+    if (newest_) reset();
+    localising_ = use == MapUse::kLocalise;
+    for (const common::Landmark& landmark : map) {
+      book_.restore(landmark);
+      filter_.add_fixed_landmark(landmark.id, {landmark.position, landmark.covariance});
     }
+    doubt_pose();
   }
 
   common::Trajectory3 spatial_trajectory() const { return path_.path(filter_); }
@@ -144,21 +160,31 @@ class VisualSlam::Implementation {
     std::vector<Track> seen = follow(seeing, picture, evidence);
     UpdateReport report;
     if (!has_odometry()) report = update(seeing, seen, report);
-    const std::vector<Track> recognised =
-        book_.recognise(filter_, seeing.camera, twist_, picture, numbers(seen), map_may_grow());
-    seen.insert(seen.end(), recognised.begin(), recognised.end());
+    const std::size_t followed = seen.size();
+    if (!pose_doubted_) {
+      const std::vector<Track> recognised =
+          book_.recognise(filter_, seeing.camera, twist_, picture, numbers(seen), map_may_grow());
+      seen.insert(seen.end(), recognised.begin(), recognised.end());
+      const int missing = options_.front_end.features_per_image - static_cast<int>(seen.size());
+      if ((map_may_grow() || placed_) && missing >= kRefillShare * options_.front_end.features_per_image) {
+        const std::vector<Track> recalled = book_.recall(filter_, seeing.camera, twist_, picture, missing);
+        seen.insert(seen.end(), recalled.begin(), recalled.end());
+      }
+    }
     report = update(seeing, seen, report);
     account(seeing, seen, report, events);
-    book_.learn_looks(filter_, seeing.camera, picture, seeing.tracks);
-    keep_pose(image.stamp);
+    if (!localising_) {
+      book_.learn_looks(filter_, seeing.camera, picture, seeing.tracks);
+      keep_pose(image.stamp);
+    }
     evidence.inliers = report.inliers;
     evidence.textured = has_texture(seeing, evidence.inliers);
     judge(evidence, events);
-    const std::size_t followed = seen.size() - recognised.size();
+    search_map(seeing, picture);
     const std::size_t known = seeing.tracks.size();
-    if (map_may_grow()) add_features(seeing, picture);
+    if (!localising_ && map_may_grow()) add_features(seeing, picture);
     remember(seeing, image, seen, report, followed, known);
-    limit_map();
+    if (!localising_) limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
   }
 
@@ -286,7 +312,10 @@ class VisualSlam::Implementation {
     const common::TrackingState before = monitor_.state();
     const common::TrackingState now = monitor_.update(*newest_, evidence);
     const std::string figures = fmt::format("{} features accepted of {} expected", evidence.inliers, evidence.expected);
-    if (now == common::TrackingState::kLost && before != now) events.push_back(event("lost", figures));
+    if (now == common::TrackingState::kLost && before != now) {
+      events.push_back(event("lost", figures));
+      placed_ = false;
+    }
     if (before == common::TrackingState::kLost && now == common::TrackingState::kTracking) {
       events.push_back(event("relocalised", figures));
     }
@@ -298,12 +327,54 @@ class VisualSlam::Implementation {
     return has_odometry() ? monitor_.map_may_grow() : monitor_.state() != common::TrackingState::kLost;
   }
 
+  /// Looks for the pose in the whole map while it is lost or what is seen contradicts it. What is found counts when the
+  /// next image agrees: until then the state stays as it is.
+  void search_map(const CameraTracks& seeing, const cv::Mat& picture) {
+    if (map_may_grow() && monitor_.state() != common::TrackingState::kLost) {
+      search_.end();
+      return;
+    }
+    if (!can_search()) return;
+    const std::vector<Eigen::Vector2d> features =
+        front_end_->detect(index_of(seeing), {}, options_.relocalisation.features, cv::Mat());
+    const Glimpse glimpse{*newest_, odometry_pose_, &seeing.camera, twist_, filter_.lever_scale()};
+    if (const auto found = search_.look([this] { return landmarks(); }, glimpse, picture, features)) {
+      if (pose_doubted_ || filter_.distance_to(found->pose, found->covariance) > kCarriedAway) {
+        path_.restart_since(search_.since());
+        place(found->pose, found->covariance);
+      } else {
+        filter_.correct_pose(found->pose, found->covariance);
+      }
+      pose_doubted_ = false;
+      placed_ = true;
+    }
+  }
+
+  void relocalise() {
+    if (!can_search()) {
+      waiting_events_.push_back(
+          event("refused", "the whole map cannot be searched for a free camera, or when it is switched off"));
+      return;
+    }
+    doubt_pose();
+    waiting_events_.push_back(event("lost", "the whole map is searched, as asked"));
+  }
+
+  /// Nothing is known of the pose: it is lost until found in the whole map, or set.
+  void doubt_pose() {
+    place(filter_.pose(), kUnknown * kUnknown * Eigen::Matrix3d::Identity());
+    monitor_.lose();
+    pose_doubted_ = true;
+    search_.end();
+  }
+
   void keep_pose(Nanoseconds stamp) {
     const Pose3 here = has_odometry() ? common::to_pose3(odometry_pose_) : filter_.spatial_pose();
     const Pose3 since = last_keyframe_ ? last_keyframe_->inverse() * here : Pose3{};
     if (!last_keyframe_ || since.translation.norm() > options_.map.keyframe_distance ||
         Eigen::AngleAxisd(since.rotation).angle() > common::to_radians(options_.map.keyframe_turn)) {
       filter_.add_keyframe(stamp, options_.map.max_keyframes);
+      book_.archived().follow(filter_);
       last_keyframe_ = here;
     }
   }
@@ -343,7 +414,9 @@ class VisualSlam::Implementation {
   void limit_map() {
     std::set<LandmarkId> followed;
     for (const CameraTracks& camera : cameras_) followed.merge(numbers(camera.tracks));
-    drop(book_.surplus(followed));
+    const std::vector<LandmarkId> surplus = book_.surplus(followed);
+    book_.archive(filter_, surplus);
+    drop(surplus);
   }
 
   common::Event event(std::string kind, std::string detail) const {
@@ -371,15 +444,22 @@ class VisualSlam::Implementation {
     if (!has_odometry()) odometry_pose_ = result.pose;
     const Pose3 believed = filter_.spatial_pose();
     path_.add(*newest_, has_odometry() ? common::to_pose3(odometry_pose_) : believed, believed);
+    if (localising_ && result.state != common::TrackingState::kLost) path_.freeze(filter_);
     return result;
   }
 
   void set_pose(const common::SetPose& command) {
     path_.start_segment();
-    forget(filter_.set_pose(command.pose, command.covariance));
+    place(command.pose, command.covariance);
+    monitor_.pose_was_set();
+    pose_doubted_ = false;
+    search_.end();
+  }
+
+  void place(const Pose2& pose, const Eigen::Matrix3d& covariance) {
+    forget(filter_.set_pose(pose, covariance));
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
-    monitor_.pose_was_set();
   }
 
   void reset() {
@@ -387,6 +467,9 @@ class VisualSlam::Implementation {
     filter_ = Ekf(options_.filter, options_.motion);
     book_.clear();
     observations_.clear();
+    search_.end();
+    pose_doubted_ = false;
+    localising_ = false;
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
     last_loop_.reset();
@@ -400,6 +483,10 @@ class VisualSlam::Implementation {
   std::unique_ptr<FrontEnd> front_end_;
   TurnSearch turn_search_;  // without wheel odometry
   LandmarkBook book_;
+  PlaceSearch search_;
+  bool localising_ = false;    // in a saved map, which stays as it is
+  bool placed_ = false;        // the pose was found in the whole map since it was lost
+  bool pose_doubted_ = false;  // nothing is known of the pose: features are not looked for near it
   TrackingMonitor monitor_;
   ObservationLog observations_;
   ImageSampler sampler_;
@@ -416,8 +503,8 @@ class VisualSlam::Implementation {
 };
 
 common::Result<std::unique_ptr<VisualSlam>> VisualSlam::create(
-    const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras, std::uint64_t,
-    int threads) {
+    const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
+    std::uint64_t seed, int threads) {
   if (cameras.empty()) return common::invalid_input("visual SLAM: no camera");
   for (const auto& [name, calibration] : cameras) {
     if (calibration.width <= 0 || calibration.height <= 0 || !(calibration.fx > 0.0) || !(calibration.fy > 0.0)) {
@@ -427,7 +514,31 @@ common::Result<std::unique_ptr<VisualSlam>> VisualSlam::create(
     }
   }
   cv::setNumThreads(std::max(1, threads));
-  return std::unique_ptr<VisualSlam>(new VisualSlam(std::make_unique<Implementation>(options, cameras)));
+  return std::unique_ptr<VisualSlam>(new VisualSlam(std::make_unique<Implementation>(options, cameras, seed)));
+}
+
+common::Result<void> VisualSlam::load(const std::vector<common::Landmark>& map, MapUse use) {
+  if (!implementation_->can_search()) {
+    return common::invalid_input(
+        "visual map: a free camera, and visual.relocalisation.enabled: false, cannot be found in a saved map");
+  }
+  std::set<std::int64_t> numbers;
+  bool recognisable = false;
+  for (const common::Landmark& landmark : map) {
+    if (!landmark.position.allFinite() || !landmark.covariance.allFinite()) {
+      return common::invalid_input(fmt::format("visual map: landmark {} has a place that is no number", landmark.id));
+    }
+    if (!numbers.insert(landmark.id).second) {
+      return common::invalid_input(fmt::format("visual map: two landmarks have the number {}", landmark.id));
+    }
+    if (!landmark.views.empty()) recognisable = true;
+  }
+  if (!recognisable) {
+    return common::invalid_input(
+        fmt::format("visual map: none of its {} landmarks has a view it could be recognised by; map anew", map.size()));
+  }
+  implementation_->load(map, use);
+  return {};
 }
 
 VisualSlam::VisualSlam(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}

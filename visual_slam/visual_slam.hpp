@@ -17,6 +17,12 @@
 
 namespace slamfuse::visual_slam {
 
+/// What a saved map is for.
+enum class MapUse {
+  kContinue,  ///< new landmarks are added
+  kLocalise,  ///< the pose alone is estimated
+};
+
 /// Monocular and multi-camera EKF SLAM (seeds 000 to 002): wheel odometry, or without it a constant velocity (then the
 /// map has a scale of its own, see ConstantVelocity and FreeCamera), predicts the pose of base_link, planar but for a
 /// free camera, the features of any number of cameras, each with its own stamps, rate, mounting and lens, correct it
@@ -40,8 +46,8 @@ class VisualSlam : public common::SlamModule {
   /// older than the newest estimate, and, with odometry as the motion model,
   /// images at whose stamp none is known.
   common::ProcessResult process(const common::SensorMessage& message) override;
-  /// SetPose replaces the pose and keeps the map; Reset forgets the map and starts the next epoch at the origin. A
-  /// search of the whole map (Relocalise) is not done yet: an event of the next estimate says so, nothing else changes.
+  /// SetPose replaces the pose and keeps the map; Reset forgets the map, a loaded one too, and starts the next epoch at
+  /// the origin. Relocalise makes the estimate LOST until the pose is found in the whole map.
   void execute(const common::Command& command) override;
   /// The path corrected by everything seen since: keyframe poses stay in the filter's state and are smoothed by its
   /// cross-covariances; poses between two keyframes take the correction interpolated between them.
@@ -49,7 +55,14 @@ class VisualSlam : public common::SlamModule {
   /// The same with height, pitch and roll, which a free camera has.
   common::Trajectory3 spatial_trajectory() const;
 
-  /// The landmarks of the current epoch whose depth is known, in the visual map's frame.
+  /// Takes a saved map in place of its own, whose frame holds from now on (after the first image: in a new epoch). The
+  /// estimate is LOST until the pose is found in it or set. The map's landmarks are never changed; their uncertainty
+  /// counts as noise of their measurements (seed 000 section G). Errors (kInvalidInput): a place that is no number, a
+  /// number that occurs twice, no landmark that could be recognised.
+  common::Result<void> load(const std::vector<common::Landmark>& map, MapUse use);
+
+  /// The landmarks of the current epoch whose depth is known, in the visual map's frame: those in the filter, those
+  /// that have left it, and those of a loaded map as they were saved.
   std::vector<common::Landmark> landmarks() const;
 
   /// The pictures of the current epoch that are remembered, by camera and then by time, with their poses as believed
