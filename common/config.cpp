@@ -95,6 +95,15 @@ class OptionReader : public OptionVisitor {
     if (pass_ == Pass::kApply) value = yes;
   }
 
+  void text(const std::string& name, std::string& value, const std::string&) override {
+    const ConfigNode* node = find(name);
+    if (node == nullptr) return;
+    if (node->kind != ConfigNode::Kind::kScalar || node->text.find_first_of("\n\r") != std::string::npos) {
+      return refuse(name, *node, "text on one line (\"\" for none)");
+    }
+    if (pass_ == Pass::kApply) value = node->text;
+  }
+
   void choice_index(const std::string& name, std::size_t& index, const std::vector<std::string>& words,
                     const std::string&) override {
     const ConfigNode* node = find(name);

@@ -19,6 +19,16 @@ struct OptionLine {
   std::string meaning;
 };
 
+/// Text as YAML takes it back, whatever it holds.
+std::string in_yaml_quotes(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + '"';
+}
+
 /// Turns every visited option into an OptionLine; the three formats differ in what they make of it.
 class OptionPrinter : public OptionVisitor {
  public:
@@ -32,6 +42,9 @@ class OptionPrinter : public OptionVisitor {
   }
   void flag(const std::string& name, bool& value, const std::string& meaning) override {
     print(name, {value ? "true" : "false", "", "true or false", meaning});
+  }
+  void text(const std::string& name, std::string& value, const std::string& meaning) override {
+    print(name, {in_yaml_quotes(value), "", "any text", meaning});
   }
   void choice_index(const std::string& name, std::size_t& index, const std::vector<std::string>& words,
                     const std::string& meaning) override {

@@ -36,6 +36,8 @@ class OptionVisitor {
   virtual void integer(const std::string& name, int& value, Range<int> range, const std::string& unit,
                        const std::string& meaning) = 0;
   virtual void flag(const std::string& name, bool& value, const std::string& meaning) = 0;
+  /// Any text on one line, such as a path; may be empty.
+  virtual void text(const std::string& name, std::string& value, const std::string& meaning) = 0;
   /// `index` is the position of the chosen word in `words`.
   virtual void choice_index(const std::string& name, std::size_t& index, const std::vector<std::string>& words,
                             const std::string& meaning) = 0;

@@ -74,6 +74,35 @@ TEST(ReadOptions, ChangesOnlyTheKeysThatAreGiven) {
   EXPECT_EQ(options.laser.threshold, 1.0 / 3.0);
 }
 
+struct FolderOptions {
+  std::string folder;
+  void describe(OptionVisitor& visit) { visit.text("folder", folder, "Where the pictures are."); }
+};
+
+TEST(ReadOptions, TakesAnyTextAndPrintsWhatItReadsBack) {
+  for (const std::string text : {"", "plain/path", "17", "with \"quotes\" and \\ and # and: colon"}) {
+    FolderOptions written, read;
+    written.folder = text;
+    const std::string yaml = options_to_yaml([&](OptionVisitor& visit) { written.describe(visit); });
+
+    const TemporaryFile file("robot.yaml", yaml);
+    ASSERT_TRUE(read_options(file.path(), [&](OptionVisitor& visit) { read.describe(visit); }).has_value()) << yaml;
+    EXPECT_EQ(read.folder, text);
+    ASSERT_TRUE(set_option("folder=" + text, [&](OptionVisitor& visit) { written.describe(visit); }).has_value());
+    EXPECT_EQ(written.folder, text);
+  }
+}
+
+TEST(ReadOptions, RefusesTextThatIsAListOrEmptyOrOfTwoLines) {
+  for (const char* yaml : {"folder: [a, b]\n", "folder:\n", "folder: \"a\\nb\"\n"}) {
+    FolderOptions options;
+    const TemporaryFile file("robot.yaml", yaml);
+    const auto read = read_options(file.path(), [&](OptionVisitor& visit) { options.describe(visit); });
+    ASSERT_FALSE(read.has_value()) << yaml;
+    EXPECT_THAT(read.error().message, AllOf(HasSubstr("folder"), HasSubstr("text on one line")));
+  }
+}
+
 TEST(ReadOptions, AcceptsBothEndsOfARange) {
   Options options;
   EXPECT_TRUE(read_text("laser: {particles: 1, grid: {resolution: 1}}\n", options).has_value());
