@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,7 @@ struct Landmark {
   int observations = 0;                                  ///< accepted measurements so far
   std::vector<std::uint8_t> descriptor;                  ///< of the feature, empty where the front end has none
   std::vector<LandmarkView> views = {};                  ///< from different places, for finding it again
+  std::string object;                                    ///< known object it is on (seed 001), empty where none
 };
 
 }  // namespace slamfuse::common

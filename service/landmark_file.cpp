@@ -16,9 +16,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the bytes are written as they lie in memory");
 
 constexpr std::string_view kMagic = "SFLANDMK";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kWithoutObjects = 1;  // the version before, still read
 constexpr std::size_t kHeaderSize = kMagic.size() + 4 + 8 + 4;
-/// The bytes of a landmark without a descriptor.
+/// The bytes of a landmark without a descriptor and, before version 2, an object.
 constexpr std::size_t kSmallestLandmark = 8 + 3 * 8 + 9 * 8 + 1 + 4 + 4;
 
 template <class T>
@@ -67,9 +68,11 @@ void append_landmark(std::string& bytes, const common::Landmark& landmark) {
   append(bytes, static_cast<std::int32_t>(landmark.observations));
   append(bytes, static_cast<std::uint32_t>(landmark.descriptor.size()));
   bytes.append(landmark.descriptor.begin(), landmark.descriptor.end());
+  append(bytes, static_cast<std::uint32_t>(landmark.object.size()));
+  bytes += landmark.object;
 }
 
-common::Landmark take_landmark(Reader& reader) {
+common::Landmark take_landmark(Reader& reader, std::uint32_t version) {
   common::Landmark landmark;
   landmark.id = reader.take<std::int64_t>();
   for (int i = 0; i < 3; ++i) landmark.position(i) = reader.take<double>();
@@ -80,6 +83,7 @@ common::Landmark take_landmark(Reader& reader) {
   landmark.observations = reader.take<std::int32_t>();
   const std::string_view descriptor = reader.take(reader.take<std::uint32_t>());
   landmark.descriptor.assign(descriptor.begin(), descriptor.end());
+  if (version != kWithoutObjects) landmark.object = reader.take(reader.take<std::uint32_t>());
   return landmark;
 }
 
@@ -103,7 +107,9 @@ common::Result<std::vector<common::Landmark>> landmarks_from_bytes(std::string_v
   const auto version = header.take<std::uint32_t>();
   const auto length = header.take<std::uint64_t>();
   const auto checksum = header.take<std::uint32_t>();
-  if (version != kVersion) return refused(fmt::format("version {}, this program reads {}", version, kVersion));
+  if (version != kVersion && version != kWithoutObjects) {
+    return refused(fmt::format("version {}, this program reads {} and {}", version, kWithoutObjects, kVersion));
+  }
   if (length != header.bytes.size()) {
     return refused(fmt::format("{} bytes of payload, the header says {}", header.bytes.size(), length));
   }
@@ -113,7 +119,7 @@ common::Result<std::vector<common::Landmark>> landmarks_from_bytes(std::string_v
   const auto count = payload.take<std::uint64_t>();
   if (count > payload.bytes.size() / kSmallestLandmark) return refused(fmt::format("{} landmarks do not fit", count));
   std::vector<common::Landmark> landmarks;
-  for (std::uint64_t i = 0; i < count && payload.ok; ++i) landmarks.push_back(take_landmark(payload));
+  for (std::uint64_t i = 0; i < count && payload.ok; ++i) landmarks.push_back(take_landmark(payload, version));
   if (!payload.ok || !payload.bytes.empty()) return refused("the landmarks do not fill the payload");
   return landmarks;
 }

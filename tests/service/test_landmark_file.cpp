@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/landmark_file.hpp"
 
+#include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "fusion/alignment.hpp"
+#include "service/checksum.hpp"
 #include "service/landmark_ply.hpp"
 
 namespace slamfuse::service {
@@ -24,6 +27,7 @@ std::vector<common::Landmark> two_landmarks() {
   first.gray = 200;
   first.observations = 17;
   first.descriptor = {1, 2, 255};
+  first.object = "poster";
   common::Landmark second;
   second.id = 1LL << 40;
   return {first, second};
@@ -41,6 +45,7 @@ TEST(LandmarkFile, ReadsBackTheSameToTheLastBit) {
     EXPECT_EQ((*read)[i].gray, landmarks[i].gray);
     EXPECT_EQ((*read)[i].observations, landmarks[i].observations);
     EXPECT_EQ((*read)[i].descriptor, landmarks[i].descriptor);
+    EXPECT_EQ((*read)[i].object, landmarks[i].object);
   }
 }
 
@@ -72,15 +77,40 @@ TEST(LandmarkFile, RefusesBytesBehindTheEnd) {
 
 TEST(LandmarkFile, SaysThatANewerVersionIsNewer) {
   std::string bytes = landmarks_to_bytes({});
-  bytes[8] = 2;
-  EXPECT_THAT(landmarks_from_bytes(bytes).error().message, HasSubstr("version 2"));
+  bytes[8] = 3;
+  EXPECT_THAT(landmarks_from_bytes(bytes).error().message, HasSubstr("version 3"));
+}
+
+TEST(LandmarkFile, ReadsTheVersionWithoutObjects) {
+  // As version 1 wrote one landmark, id 7 at (1, 2, 0.5).
+  std::string payload(8 + 8 + 12 * 8 + 1 + 4 + 4, '\0');
+  payload[0] = 1;
+  payload[8] = 7;
+  for (int i = 0; i < 3; ++i) {
+    const double value = std::vector<double>{1.0, 2.0, 0.5}[static_cast<std::size_t>(i)];
+    std::memcpy(payload.data() + 16 + 8 * i, &value, sizeof value);
+  }
+  std::string bytes = landmarks_to_bytes({}).substr(0, 8);
+  const auto append = [&bytes](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  append(std::uint32_t{1});
+  append(static_cast<std::uint64_t>(payload.size()));
+  append(crc32_of(payload));
+
+  const auto read = landmarks_from_bytes(bytes + payload);
+
+  ASSERT_TRUE(read.has_value()) << read.error().message;
+  ASSERT_EQ(read->size(), 1U);
+  EXPECT_EQ(read->front().id, 7);
+  EXPECT_EQ(read->front().position, Eigen::Vector3d(1.0, 2.0, 0.5));
+  EXPECT_EQ(read->front().object, "");
 }
 
 TEST(LandmarkPly, StaysInTheVisualMapWithoutAnAlignment) {
   const std::string ply = landmarks_to_ply(two_landmarks(), {});
   EXPECT_THAT(ply, HasSubstr("frame visual_map"));
-  EXPECT_THAT(ply, HasSubstr("element vertex 2\n"));
-  EXPECT_THAT(ply, HasSubstr("\n1.0000 2.0000 0.5000 200 200 200\n"));
+  EXPECT_THAT(ply, HasSubstr("comment object 1 poster\nelement vertex 2\n"));
+  EXPECT_THAT(ply, HasSubstr("property int object\nend_header\n"));
+  EXPECT_THAT(ply, HasSubstr("\n1.0000 2.0000 0.5000 200 200 200 1\n"));
 }
 
 TEST(LandmarkPly, BringsThePointsIntoTheLaserMapWithOne) {
@@ -92,7 +122,7 @@ TEST(LandmarkPly, BringsThePointsIntoTheLaserMapWithOne) {
   alignment.mapping = fusion::to_mapping_matrix(alignment.map);
   const std::string ply = landmarks_to_ply(two_landmarks(), alignment);
   EXPECT_THAT(ply, HasSubstr("frame laser_map"));
-  EXPECT_THAT(ply, HasSubstr("\n6.0000 2.0000 1.0000 200 200 200\n"));
+  EXPECT_THAT(ply, HasSubstr("\n6.0000 2.0000 1.0000 200 200 200 1\n"));
 }
 
 }  // namespace
