@@ -26,8 +26,8 @@ struct Landmark {
   std::uint8_t gray = 0;                                 ///< brightness where it was first seen
   int observations = 0;                                  ///< accepted measurements so far
   std::vector<std::uint8_t> descriptor;                  ///< of the feature, empty where the front end has none
+  std::string object = {};                               ///< known object it is on (seed 001), empty where none
   std::vector<LandmarkView> views = {};                  ///< from different places, for finding it again
-  std::string object;                                    ///< known object it is on (seed 001), empty where none
 };
 
 }  // namespace slamfuse::common

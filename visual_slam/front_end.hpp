@@ -32,8 +32,9 @@ struct FoundFeature {
 
 /// Finds features in pictures and follows them: the only part besides LandmarkRecogniser that looks at pixels.
 ///
-/// Deterministic, and independent of how many threads OpenCV uses. Pictures are 8-bit gray; those of one camera have
-/// one size and come in the order of time.
+/// All work on pixels of a picture is behind this interface and behind FeatureExtractor: that is where a front end on a
+/// graphics card would go, as another FrontEndKind. Deterministic, and independent of how many threads OpenCV uses.
+/// Pictures are 8-bit gray; those of one camera have one size and come in the order of time.
 class FrontEnd {
  public:
   virtual ~FrontEnd() = default;
@@ -49,7 +50,7 @@ class FrontEnd {
                                               const cv::Mat& region) = 0;
 };
 
-/// The front end the options name, for so many cameras.
+/// The front end the options name, for so many cameras: Shi-Tomasi with Lucas-Kanade, SIFT or ORB.
 std::unique_ptr<FrontEnd> make_front_end(const FrontEndOptions& options, std::size_t cameras);
 
 }  // namespace slamfuse::visual_slam

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "visual_slam/feature_grid.hpp"
+
 namespace slamfuse::visual_slam {
 namespace {
 
@@ -86,8 +88,7 @@ std::vector<FoundFeature> KltFrontEnd::follow(std::size_t camera, const cv::Mat&
 
 std::vector<Eigen::Vector2d> KltFrontEnd::detect(std::size_t camera, std::span<const Eigen::Vector2d> taken, int wanted,
                                                  const cv::Mat& region) {
-  std::vector<Eigen::Vector2d> chosen;
-  if (wanted <= 0 || pyramids_[camera].empty()) return chosen;
+  if (wanted <= 0 || pyramids_[camera].empty()) return {};
   const cv::Mat& picture = pyramids_[camera].front();
   cv::Mat strength;
   cv::cornerMinEigenVal(picture, strength, kCornerBlock);
@@ -96,51 +97,13 @@ std::vector<Eigen::Vector2d> KltFrontEnd::detect(std::size_t camera, std::span<c
       local_maxima(strength, region, static_cast<float>(options_.min_corner_strength * kCornerScale), border);
   std::sort(corners.begin(), corners.end());
 
-  // Cells take turns: each round every cell may give its strongest remaining corner, the emptiest cells first.
-  const auto cell_of = [&](double x, double y) {
-    const int column =
-        std::clamp(static_cast<int>(x * options_.grid_columns / picture.cols), 0, options_.grid_columns - 1);
-    const int row = std::clamp(static_cast<int>(y * options_.grid_rows / picture.rows), 0, options_.grid_rows - 1);
-    return static_cast<std::size_t>(row * options_.grid_columns + column);
-  };
-  std::vector<std::vector<Corner>> cells(static_cast<std::size_t>(options_.grid_columns * options_.grid_rows));
-  std::vector<int> filled(cells.size(), 0);
-  std::vector<Eigen::Vector2d> occupied(taken.begin(), taken.end());
-  for (const Eigen::Vector2d& pixel : taken) ++filled[cell_of(pixel.x(), pixel.y())];
-  for (const Corner& corner : corners) cells[cell_of(corner.x, corner.y)].push_back(corner);
-  std::vector<std::size_t> next(cells.size(), 0);
-  const double spacing = options_.min_spacing * options_.min_spacing;
-  const auto is_free = [&](const Corner& corner) {
-    return std::none_of(occupied.begin(), occupied.end(), [&](const Eigen::Vector2d& pixel) {
-      return (pixel - Eigen::Vector2d(corner.x, corner.y)).squaredNorm() < spacing;
-    });
-  };
-  for (int level = 0; static_cast<int>(chosen.size()) < wanted; ++level) {
-    bool any_left = false;
-    for (std::size_t cell = 0; cell < cells.size() && static_cast<int>(chosen.size()) < wanted; ++cell) {
-      if (next[cell] >= cells[cell].size()) continue;
-      any_left = true;
-      if (filled[cell] > level) continue;
-      while (next[cell] < cells[cell].size()) {
-        const Corner& corner = cells[cell][next[cell]++];
-        if (!is_free(corner)) continue;
-        chosen.emplace_back(corner.x, corner.y);
-        occupied.emplace_back(corner.x, corner.y);
-        ++filled[cell];
-        break;
-      }
-    }
-    if (!any_left) break;
+  std::vector<Eigen::Vector2d> candidates;
+  for (const Corner& corner : corners) candidates.emplace_back(corner.x, corner.y);
+  std::vector<Eigen::Vector2d> chosen;
+  for (const std::size_t index : spread_features(candidates, taken, wanted, picture.size(), options_)) {
+    chosen.push_back(candidates[index]);
   }
   return chosen;
-}
-
-std::unique_ptr<FrontEnd> make_front_end(const FrontEndOptions& options, std::size_t cameras) {
-  switch (options.kind) {
-    case FrontEndKind::kShiTomasiKlt:
-      break;
-  }
-  return std::make_unique<KltFrontEnd>(options, cameras);
 }
 
 }  // namespace slamfuse::visual_slam

@@ -24,10 +24,12 @@ void LandmarkBook::clear() {
   archive_.clear();
 }
 
-LandmarkId LandmarkBook::enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp) {
+LandmarkId LandmarkBook::enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp,
+                               std::string object) {
   Record record;
   record.last_seen = stamp;
   record.gray = picture.at<unsigned char>(static_cast<int>(pixel.y()), static_cast<int>(pixel.x()));
+  record.object = std::move(object);
   records_.emplace(next_, std::move(record));
   return next_++;
 }
@@ -43,6 +45,7 @@ void LandmarkBook::restore(const common::Landmark& landmark) {
   record.fixed = true;
   record.gray = landmark.gray;
   record.descriptor = landmark.descriptor;
+  record.object = landmark.object;
   records_.insert_or_assign(landmark.id, std::move(record));
   recogniser_.restore(landmark.id, landmark.views);
   next_ = std::max(next_, landmark.id + 1);
@@ -121,6 +124,7 @@ std::vector<Track> LandmarkBook::recall(Ekf& filter, const Camera& camera, const
     record.last_seen = archived.last_seen;
     record.gray = archived.landmark.gray;
     record.descriptor = archived.landmark.descriptor;
+    record.object = archived.landmark.object;
     records_.emplace(found->id, std::move(record));
     recalled.push_back({found->id, found->pixel});
     if (static_cast<int>(recalled.size()) == wanted) break;
@@ -212,6 +216,7 @@ std::optional<common::Landmark> LandmarkBook::landmark(const Ekf& filter, Landma
                           .gray = record.gray,
                           .observations = record.found,
                           .descriptor = record.descriptor,
+                          .object = record.object,
                           .views = recogniser_.views(id)};
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/landmark.hpp"
@@ -26,13 +27,15 @@ class LandmarkBook {
   std::size_t size() const { return records_.size(); }
   void clear();
 
-  /// A landmark was seen the first time, at a pixel of a picture. Returns its number.
-  LandmarkId enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp);
+  /// A landmark was seen the first time, at a pixel of a picture, maybe on a known object. Returns its number.
+  LandmarkId enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp, std::string object);
   /// A landmark of a saved map. It is never dropped, and nothing that is known of it changes.
   void restore(const common::Landmark& landmark);
   void forget(LandmarkId landmark);
   /// A measurement of the landmark was accepted. Returns how long it had not been seen [s].
   double confirm(LandmarkId landmark, common::Nanoseconds stamp);
+  /// Whether the landmark was found again after it was seen first: some features never are.
+  bool was_found_again(LandmarkId landmark) const { return records_.at(landmark).found > 1; }
   /// A measurement of the landmark was wrong.
   void fail(LandmarkId landmark);
   bool seen_at(LandmarkId landmark, common::Nanoseconds stamp) const {
@@ -68,6 +71,7 @@ class LandmarkBook {
     bool fixed = false;  // of a saved map
     std::uint8_t gray = 0;
     std::vector<std::uint8_t> descriptor = {};
+    std::string object = {};
   };
 
   std::optional<common::Landmark> landmark(const Ekf& filter, LandmarkId id, const Record& record) const;

@@ -66,8 +66,11 @@ void MotionOptions::describe(OptionVisitor& visit) {
 }
 
 void FrontEndOptions::describe(OptionVisitor& visit) {
-  visit.choice("kind", kind, {{"shi_tomasi_klt", FrontEndKind::kShiTomasiKlt}},
-               "Which features: Shi-Tomasi corners followed by pyramidal Lucas-Kanade.");
+  visit.choice(
+      "kind", kind,
+      {{"shi_tomasi_klt", FrontEndKind::kShiTomasiKlt}, {"sift", FrontEndKind::kSift}, {"orb", FrontEndKind::kOrb}},
+      "Which features: Shi-Tomasi corners followed by pyramidal Lucas-Kanade, or SIFT or ORB features matched by their "
+      "descriptors.");
   visit.integer("features_per_image", features_per_image, {8, 1000}, "", "Features wanted in each image.");
   visit.integer("grid_columns", grid_columns, {1, 64}, "", "Columns of the grid that spreads features over the image.");
   visit.integer("grid_rows", grid_rows, {1, 64}, "", "Rows of that grid.");
@@ -79,6 +82,33 @@ void FrontEndOptions::describe(OptionVisitor& visit) {
   visit.real("max_backward_error", max_backward_error, {0.05, 20.0}, "px",
              "A feature followed forth and back must return this near.");
   visit.real("border", border, {0.0, 100.0}, "px", "Features this near to the image border are left alone.");
+  visit.integer("keypoints_per_image", keypoints_per_image, {50, 10000}, "",
+                "SIFT and ORB: keypoints at most, among which features are matched and chosen.");
+  visit.choice("search", search, {{"complete", DescriptorSearch::kComplete}, {"flann", DescriptorSearch::kFlann}},
+               "SIFT and ORB: how the nearest descriptors are searched, each with each or approximately by FLANN.");
+  visit.real("match_ratio", match_ratio, {0.1, 1.0}, "",
+             "SIFT and ORB: the nearest descriptor must be nearer than the second by this factor.");
+  visit.real("search_radius", search_radius, {1.0, 2000.0}, "px",
+             "SIFT and ORB: how far from the predicted pixel a feature is looked for.");
+}
+
+void SelectionOptions::describe(OptionVisitor& visit) {
+  visit.choice("strategy", strategy,
+               {{"none", SelectionStrategy::kNone},
+                {"bottom_up", SelectionStrategy::kBottomUp},
+                {"top_down", SelectionStrategy::kTopDown},
+                {"both", SelectionStrategy::kBoth}},
+               "Where new features are looked for: everywhere, where the picture stands out, on known objects, or on "
+               "either of these.");
+  visit.real("salient_share", salient_share, {0.0, 1.0}, "", "Share of a picture that is taken to stand out.");
+  visit.integer("least_features", least_features, {0, 1000}, "",
+                "When fewer features are followed than this, the rest of the picture makes up for them.");
+  visit.text("objects", objects, "Folder of pictures of known flat objects, named as the objects.");
+  visit.choice("object_features", object_features, {{"sift", FeatureKind::kSift}, {"orb", FeatureKind::kOrb}},
+               "Features by which known objects are found.");
+  visit.real("object_match_ratio", object_match_ratio, {0.1, 1.0}, "",
+             "The nearest descriptor of an object must be nearer than the second by this factor.");
+  visit.integer("object_matches", object_matches, {4, 1000}, "", "So many matches must agree on where an object is.");
 }
 
 void RecognitionOptions::describe(OptionVisitor& visit) {
@@ -153,6 +183,7 @@ void TrackingOptions::describe(OptionVisitor& visit) {
 void VisualSlamOptions::describe(OptionVisitor& visit) {
   visit.nested("motion", motion, "How the robot moves, and how far the wheel odometry is trusted.");
   visit.nested("front_end", front_end, "How features are found and followed.");
+  visit.nested("selection", selection, "Which features are worth having.");
   visit.nested("turn_search", turn_search, "Where features are looked for after a turn without wheel odometry.");
   visit.nested("recognition", recognition, "How lost landmarks are found again.");
   visit.nested("relocalisation", relocalisation, "How the pose is found in the whole map.");

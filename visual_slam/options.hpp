@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "common/options.hpp"
 
 namespace slamfuse::visual_slam {
@@ -59,7 +61,16 @@ struct MotionOptions {
 };
 
 /// Which front end finds features and follows them.
-enum class FrontEndKind { kShiTomasiKlt };
+enum class FrontEndKind { kShiTomasiKlt, kSift, kOrb };
+
+/// Features that are known by a descriptor.
+enum class FeatureKind { kSift, kOrb };
+
+/// How the nearest descriptors are searched (seed 000 section II D).
+enum class DescriptorSearch {
+  kComplete,  ///< each with each: exact
+  kFlann,     ///< approximate nearest neighbours: k-d trees for SIFT, locality-sensitive hashing for ORB
+};
 
 /// How features are found and followed in the pictures.
 struct FrontEndOptions {
@@ -73,6 +84,31 @@ struct FrontEndOptions {
   int pyramid_levels = 3;
   double max_backward_error = 0.7;  ///< [px]
   double border = 8.0;              ///< [px]
+  int keypoints_per_image = 1500;
+  DescriptorSearch search = DescriptorSearch::kComplete;
+  double match_ratio = 0.9;
+  double search_radius = 40.0;  ///< [px]
+
+  void describe(common::OptionVisitor& visit);
+};
+
+/// Where in the pictures new features are looked for (seed 001).
+enum class SelectionStrategy {
+  kNone,      ///< everywhere
+  kBottomUp,  ///< where the picture stands out
+  kTopDown,   ///< on known objects
+  kBoth,
+};
+
+/// Which features are worth having (seed 001 section 2.2).
+struct SelectionOptions {
+  SelectionStrategy strategy = SelectionStrategy::kNone;
+  double salient_share = 0.4;
+  int least_features = 20;
+  std::string objects;
+  FeatureKind object_features = FeatureKind::kSift;
+  double object_match_ratio = 0.75;
+  int object_matches = 10;
 
   void describe(common::OptionVisitor& visit);
 };
@@ -154,6 +190,7 @@ struct TrackingOptions {
 struct VisualSlamOptions {
   MotionOptions motion;
   FrontEndOptions front_end;
+  SelectionOptions selection;
   TurnSearchOptions turn_search;
   RecognitionOptions recognition;
   RelocalisationOptions relocalisation;

@@ -9,7 +9,7 @@ namespace slamfuse::visual_slam {
 
 /// What an image showed of the map.
 struct ImageEvidence {
-  int expected = 0;       ///< features of the previous image that should be in view
+  int expected = 0;       ///< features of the previous image, not new in it, that should be in view
   int inliers = 0;        ///< features accepted
   bool textured = false;  ///< whether the image shows anything to follow at all
 };

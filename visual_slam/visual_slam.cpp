@@ -13,6 +13,7 @@
 #include "common/odometry_buffer.hpp"
 #include "visual_slam/camera_tracks.hpp"
 #include "visual_slam/ekf.hpp"
+#include "visual_slam/feature_selection.hpp"
 #include "visual_slam/front_end.hpp"
 #include "visual_slam/image_sampler.hpp"
 #include "visual_slam/landmark_book.hpp"
@@ -46,8 +47,9 @@ std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
 class VisualSlam::Implementation {
  public:
   Implementation(const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
-                 std::uint64_t seed)
+                 std::uint64_t seed, FeatureSelection selection)
       : options_(options),
+        selection_(std::move(selection)),
         front_end_(make_front_end(options.front_end, cameras.size())),
         turn_search_(options.turn_search, cameras.size()),
         book_(options),
@@ -213,9 +215,10 @@ class VisualSlam::Implementation {
     std::vector<ExpectedFeature> expected;
     for (const Track& track : seeing.tracks) {
       const std::optional<Eigen::Vector2d> pixel = predict_pixel(filter_, seeing.camera, track.landmark);
-      if (pixel && seeing.camera.sees(*pixel, 0.0)) expected.push_back({track.landmark, track.pixel, *pixel});
+      if (!pixel || !seeing.camera.sees(*pixel, 0.0)) continue;
+      expected.push_back({track.landmark, track.pixel, *pixel});
+      if (book_.was_found_again(track.landmark)) ++evidence.expected;
     }
-    evidence.expected = static_cast<int>(expected.size());
     if (!has_odometry()) turn_predictions(seeing, picture, expected);
     std::vector<Track> seen;
     for (const FoundFeature& found : front_end_->follow(index_of(seeing), picture, expected)) {
@@ -384,8 +387,16 @@ class VisualSlam::Implementation {
     if (missing < kRefillShare * options_.front_end.features_per_image) return;
     std::vector<Eigen::Vector2d> taken;
     for (const Track& track : seeing.tracks) taken.push_back(track.pixel);
-    for (const Eigen::Vector2d& pixel : front_end_->detect(index_of(seeing), taken, missing, cv::Mat())) {
-      const LandmarkId id = book_.enter(picture, pixel, *newest_);
+    const SelectedRegion region = selection_.select(picture);
+    std::vector<Eigen::Vector2d> found = front_end_->detect(index_of(seeing), taken, missing, region.mask);
+    if (const int few = options_.selection.least_features - static_cast<int>(taken.size() + found.size());
+        few > 0 && !region.mask.empty()) {
+      taken.insert(taken.end(), found.begin(), found.end());
+      const std::vector<Eigen::Vector2d> more = front_end_->detect(index_of(seeing), taken, few, cv::Mat());
+      found.insert(found.end(), more.begin(), more.end());
+    }
+    for (const Eigen::Vector2d& pixel : found) {
+      const LandmarkId id = book_.enter(picture, pixel, *newest_, region.object_at(pixel));
       filter_.add_landmark(id, seeing.camera, make_bearing(seeing.camera, pixel, options_.filter.pixel_sigma, twist_),
                            *newest_);
       seeing.tracks.push_back({id, pixel});
@@ -479,6 +490,7 @@ class VisualSlam::Implementation {
   }
 
   VisualSlamOptions options_;
+  FeatureSelection selection_;
   std::vector<CameraTracks> cameras_;  // fixed once built: the filter keeps pointers to the cameras
   std::unique_ptr<FrontEnd> front_end_;
   TurnSearch turn_search_;  // without wheel odometry
@@ -514,7 +526,10 @@ common::Result<std::unique_ptr<VisualSlam>> VisualSlam::create(
     }
   }
   cv::setNumThreads(std::max(1, threads));
-  return std::unique_ptr<VisualSlam>(new VisualSlam(std::make_unique<Implementation>(options, cameras, seed)));
+  common::Result<FeatureSelection> selection = FeatureSelection::create(options.selection);
+  if (!selection) return tl::unexpected(selection.error());
+  return std::unique_ptr<VisualSlam>(
+      new VisualSlam(std::make_unique<Implementation>(options, cameras, seed, std::move(*selection))));
 }
 
 common::Result<void> VisualSlam::load(const std::vector<common::Landmark>& map, MapUse use) {

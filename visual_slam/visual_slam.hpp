@@ -33,7 +33,8 @@ enum class MapUse {
 class VisualSlam : public common::SlamModule {
  public:
   /// `cameras` are the ones to listen to, by sensor name. `threads` only speeds up the work, the result does not depend
-  /// on it. Errors (kInvalidInput): no camera, a calibration without size or focal length.
+  /// on it. Errors (kInvalidInput): no camera, a calibration without size or focal length, a feature
+  /// selection by known objects without usable pictures of them.
   static common::Result<std::unique_ptr<VisualSlam>> create(
       const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
       std::uint64_t seed, int threads);

@@ -2,9 +2,10 @@
 // Runs the visual SLAM alone on a recording and prints accuracy, coverage and cost of an image. Without ground truth
 // the path is held against a straight line, as for a camera moved along a rail.
 //
-//     benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [visual.key=value ...]
+//     benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [mounting=DEG,METRES] [visual.key=value ...]
 //
-// CAMERAS is a list such as cam0,cam1.
+// CAMERAS is a list such as cam0,cam1. `mounting` falsifies what is told of where the cameras are: each turned to the
+// left by DEG about the vertical through its own centre, and moved forward by METRES.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,7 +17,9 @@
 #include <vector>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
+#include "common/angle.hpp"
 #include "common/config.hpp"
 #include "common/recording.hpp"
 #include "common/trajectory_evaluation.hpp"
@@ -69,6 +72,14 @@ void print_line_row(const char* name, const common::Trajectory2& path, std::size
               last - first);
 }
 
+/// A calibration that says the camera looks `degrees` farther to the left and stands `metres` farther ahead.
+void falsify(common::CameraCalibration& camera, double degrees, double metres) {
+  common::Pose3& mounting = camera.T_base_camera;
+  const Eigen::AngleAxisd turn(common::to_radians(degrees), Eigen::Vector3d::UnitZ());
+  mounting.rotation = Eigen::Quaterniond(turn) * mounting.rotation;
+  mounting.translation.x() += metres;
+}
+
 int fail(const std::string& message) {
   std::fprintf(stderr, "%s\n", message.c_str());
   return EXIT_FAILURE;
@@ -77,11 +88,15 @@ int fail(const std::string& message) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) return fail("usage: benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [visual.key=value ...]");
+  if (argc < 3)
+    return fail(
+        "usage: benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [mounting=DEG,METRES] [visual.key=value ...]");
   visual_slam::VisualSlamOptions options;
   int threads = 1;
+  double wrong_degrees = 0.0, wrong_metres = 0.0;
   for (int i = 3; i < argc; ++i) {
     const std::string argument = argv[i];
+    if (std::sscanf(argument.c_str(), "mounting=%lf,%lf", &wrong_degrees, &wrong_metres) == 2) continue;
     if (argument.find('=') == std::string::npos) {
       threads = std::atoi(argv[i]);
       continue;
@@ -99,7 +114,7 @@ int main(int argc, char** argv) {
   for (std::string name; std::getline(names, name, ',');) {
     const auto& known = (*recording)->info().calibration.cameras;
     if (!known.contains(name)) return fail("the recording has no camera " + name);
-    cameras.emplace(name, known.at(name));
+    falsify(cameras.emplace(name, known.at(name)).first->second, wrong_degrees, wrong_metres);
   }
   auto slam = visual_slam::VisualSlam::create(options, cameras, 1, threads);
   if (!slam) return fail(slam.error().message);

@@ -9,6 +9,7 @@
 
 #include "common/recording.hpp"
 #include "common/trajectory_evaluation.hpp"
+#include "service/temporary_folder.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -235,6 +236,53 @@ TEST_F(VisualSlamTest, TheMapStaysWithinItsLimit) {
   run(**slam, *messages_);
 
   EXPECT_LE((*slam)->landmarks().size(), 120U);  // those in view are never dropped: 60 an image, two cameras
+}
+
+/// With SIFT or ORB features.
+class VisualFrontEndTest : public VisualSlamTest, public ::testing::WithParamInterface<FrontEndKind> {};
+
+TEST_P(VisualFrontEndTest, TracksTheDemo) {
+  VisualSlamOptions options;
+  options.front_end.kind = GetParam();
+  auto slam = VisualSlam::create(options, *cameras_, 1, 2);
+  ASSERT_TRUE(slam);
+
+  const std::vector<PoseEstimate> estimates = run(**slam, std::span(*messages_).first(messages_->size() / 2));
+
+  for (const PoseEstimate& estimate : estimates) EXPECT_EQ(estimate.state, TrackingState::kTracking);
+  EXPECT_GT(estimates.back().health.inliers.value(), 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VisualFrontEndTest, ::testing::Values(FrontEndKind::kSift, FrontEndKind::kOrb),
+                         [](const auto& variant) { return variant.param == FrontEndKind::kSift ? "Sift" : "Orb"; });
+
+TEST_F(VisualSlamTest, SelectedFeaturesCarryTheNameOfTheirObjectIntoTheMap) {
+  const auto is_image = [](const auto& message) { return std::holds_alternative<common::Image>(message); };
+  const auto first = std::get<common::Image>(*std::find_if(messages_->begin(), messages_->end(), is_image));
+  const service::TemporaryFolder folder;
+  service::put(folder / "view.pgm", "P5\n" + std::to_string(first.width) + " " + std::to_string(first.height) +
+                                        "\n255\n" + std::string(first.pixels->begin(), first.pixels->end()));
+  VisualSlamOptions options;
+  options.selection.strategy = SelectionStrategy::kBoth;
+  options.selection.objects = folder.path().string();
+  options.selection.object_features = FeatureKind::kOrb;
+  auto slam = VisualSlam::create(options, *cameras_, 1, 1);
+  ASSERT_TRUE(slam) << slam.error().message;
+
+  run(**slam, *messages_);
+
+  std::size_t named = 0;
+  for (const common::Landmark& landmark : (*slam)->landmarks()) named += landmark.object == "view" ? 1 : 0;
+  EXPECT_GT(named, 3U);
+  EXPECT_LT(named, (*slam)->landmarks().size());
+}
+
+TEST_F(VisualSlamTest, SelectionByObjectsWithoutPicturesOfThemIsRefused) {
+  VisualSlamOptions options;
+  options.selection.strategy = SelectionStrategy::kTopDown;
+  const auto slam = VisualSlam::create(options, *cameras_, 1, 1);
+  ASSERT_FALSE(slam);
+  EXPECT_NE(slam.error().message.find("visual.selection.objects"), std::string::npos);
 }
 
 TEST(VisualSlamCreate, RefusesToStartWithoutUsableCameras) {
