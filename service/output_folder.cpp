@@ -2,7 +2,11 @@
 #include "service/output_folder.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -33,6 +37,25 @@ fs::path outermost_missing(fs::path path) {
   return missing;
 }
 
+/// Where results are gathered; the number of the process makes it its own.
+constexpr std::string_view kStagingName = ".slamfuse-";
+
+/// What processes left behind that were killed.
+void remove_abandoned(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kStagingName)) continue;
+    const std::string number = name.substr(kStagingName.size());
+    pid_t process = 0;
+    const auto [end, problem] = std::from_chars(number.data(), number.data() + number.size(), process);
+    if (problem != std::errc() || end != number.data() + number.size() || process <= 0) continue;
+    const bool runs = process != ::getpid() && (::kill(process, 0) == 0 || errno != ESRCH);
+    std::error_code ignored;
+    if (!runs) fs::remove_all(entry.path(), ignored);
+  }
+}
+
 }  // namespace
 
 common::Result<std::unique_ptr<OutputFolder>> OutputFolder::create(const fs::path& path, ResultKind kind) {
@@ -44,7 +67,7 @@ common::Result<std::unique_ptr<OutputFolder>> OutputFolder::create(const fs::pat
   fs::create_directories(absolute, error);
   if (error) return not_writable(path, error);
   std::unique_ptr<OutputFolder> folder(new OutputFolder(absolute, first_created, kind));
-  fs::remove_all(folder->staging_, error);  // of a process of the same number that was killed
+  remove_abandoned(absolute);
   fs::create_directory(folder->staging_, error);
   if (error) return not_writable(path, error);
   return folder;
@@ -54,7 +77,7 @@ OutputFolder::OutputFolder(fs::path path, fs::path first_created, ResultKind kin
     : path_(std::move(path)),
       first_created_(std::move(first_created)),
       kind_(kind),
-      staging_(path_ / fmt::format(".slamfuse-{}", ::getpid())) {}
+      staging_(path_ / fmt::format("{}{}", kStagingName, ::getpid())) {}
 
 OutputFolder::~OutputFolder() {
   std::error_code error;

@@ -156,6 +156,18 @@ TEST(OutputFolder, DoesNotPublishWhatAKilledProcessOfTheSameNumberLeft) {
   EXPECT_FALSE(fs::exists(temporary / "out/visual.tum"));
 }
 
+TEST(OutputFolder, ClearsAwayWhatKilledProcessesLeft) {
+  const TemporaryFolder temporary;
+  const fs::path dead = temporary / "out/.slamfuse-99999999";  // above every process number
+  const fs::path alive = temporary / "out/.slamfuse-1";
+  const fs::path foreign = temporary / "out/.slamfuse-notes";
+  for (const auto& folder : {dead, alive, foreign}) fs::create_directories(folder);
+  ASSERT_TRUE(OutputFolder::create(temporary / "out", ResultKind::kRun));
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_TRUE(fs::exists(alive));
+  EXPECT_TRUE(fs::exists(foreign));
+}
+
 TEST(OutputFolder, SaysWhyItCannotBeMade) {
   const TemporaryFolder temporary;
   put(temporary / "file", "x");
