@@ -10,6 +10,13 @@ if(SLAMFUSE_SANITIZE)
   add_link_options(-fsanitize=${SLAMFUSE_SANITIZE})
 endif()
 
+# Every target is instrumented for libFuzzer; the programs of tests/fuzz link it. Needs clang.
+option(SLAMFUSE_FUZZ "Build the fuzzers" OFF)
+if(SLAMFUSE_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+  target_compile_options(slamfuse_compile_options INTERFACE -Wno-error)  # clang warns of other things than gcc
+endif()
+
 option(SLAMFUSE_COVERAGE "Instrument for gcov" OFF)
 if(SLAMFUSE_COVERAGE)
   add_compile_options(--coverage)
