@@ -140,6 +140,8 @@ Result<Sensor> open_sensor(const SensorFolder& folder, Calibration& calibration)
       };
       break;
     }
+    case SensorKind::kPose:
+      break;
   }
   return sensor;
 }

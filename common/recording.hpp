@@ -28,7 +28,7 @@ struct RejectedMessage {
 
 using RecordingItem = std::variant<SensorMessage, RejectedMessage>;
 
-enum class SensorKind { kOdometry, kLaser, kCamera, kImu };
+enum class SensorKind { kOdometry, kLaser, kCamera, kImu, kPose };
 
 /// What a recording knows of one of its sensors without reading all of it.
 struct SensorInfo {

@@ -100,6 +100,7 @@ class RosRecording final : public Recording {
       case SensorKind::kCamera:
         return decode_camera(source, data);
       case SensorKind::kImu:
+      case SensorKind::kPose:
         break;
     }
     return invalid_input("not read");
@@ -208,6 +209,7 @@ class RosSetup {
         source.T_child_base = to_pose2(mounting(sensor.name, sensor.frame, topics_.base_frame, Pose3{}));
         return {};
       case SensorKind::kImu:
+      case SensorKind::kPose:
         return {};
     }
     return {};

@@ -55,6 +55,7 @@ bool fits(RosType type, SensorKind kind) {
     case SensorKind::kCamera:
       return type == RosType::kImage || type == RosType::kCompressedImage;
     case SensorKind::kImu:
+    case SensorKind::kPose:
       return false;
   }
   return false;

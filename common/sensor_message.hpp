@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -48,7 +49,16 @@ struct Imu {
   Eigen::Vector3d linear_acceleration = Eigen::Vector3d::Zero();  ///< [m/s^2]
 };
 
-using SensorMessage = std::variant<WheelOdometry, LaserScan, Image, Imu>;
+/// A pose of base_link that another SLAM system found, in its own map frame.
+struct ExternalPose {
+  Nanoseconds stamp = 0;
+  std::string sensor;                         ///< "laser_pose" or "visual_pose", whose half it takes the place of
+  std::string frame;                          ///< of its map
+  Pose2 pose;                                 ///< T_map_base, in the map's own unit of length
+  std::optional<Eigen::Matrix3d> covariance;  ///< of (x, y, theta) in the map frame; empty: not told
+};
+
+using SensorMessage = std::variant<WheelOdometry, LaserScan, Image, Imu, ExternalPose>;
 
 /// The sensor's own stamp, whatever the kind.
 inline Nanoseconds stamp_of(const SensorMessage& message) {

@@ -15,7 +15,7 @@ std::string environment(const char* name) {
 
 }  // namespace
 
-common::Result<DomainSettings> domain_from_environment() {
+common::Result<DomainSettings> domain_from_environment(Network network) {
   DomainSettings settings;
   const std::string id = environment("ROS_DOMAIN_ID");
   if (!id.empty()) {
@@ -25,8 +25,8 @@ common::Result<DomainSettings> domain_from_environment() {
                                    std::to_string(kMaxDomainId));
     }
   }
-  settings.loopback_only =
-      environment("ROS_LOCALHOST_ONLY") == "1" || environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST";
+  settings.loopback_only = network == Network::kLoopback || environment("ROS_LOCALHOST_ONLY") == "1" ||
+                           environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST";
   return settings;
 }
 

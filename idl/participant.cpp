@@ -41,7 +41,7 @@ common::Result<Domain> configured_domain(std::uint32_t id) {
   const std::lock_guard lock(mutex);
   if (Domain domain = domains[id].lock()) return domain;
   const std::string config = loopback_config();
-  return own(dds_create_domain(id, config.c_str()), "configure domain " + std::to_string(id) + " for loopback only")
+  return own(dds_create_domain(id, config.c_str()), "configure domain " + std::to_string(id) + " for loopback only (no other interface may be named)")
       .map([&](Entity&& entity) {
         const Domain domain = std::make_shared<const Entity>(std::move(entity));
         domains[id] = domain;
@@ -72,7 +72,9 @@ common::Result<Participant> Participant::create(const DomainSettings& settings) 
       });
 }
 
-common::Result<Participant> Participant::join() { return domain_from_environment().and_then(create); }
+common::Result<Participant> Participant::join(Network network) {
+  return domain_from_environment(network).and_then(create);
+}
 
 Entity::Handle Participant::handle() const { return state_->participant.handle(); }
 

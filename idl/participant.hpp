@@ -17,7 +17,7 @@ class Participant {
   /// process in one domain must agree on it, else kFailed.
   static common::Result<Participant> create(const DomainSettings& settings);
   /// Joins the domain that the environment names, see domain_from_environment(). Errors of both.
-  static common::Result<Participant> join();
+  static common::Result<Participant> join(Network network);
 
   Entity::Handle handle() const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "idl/qos.hpp"
 
+#include <cstddef>
 #include <cstdint>
 
 #include <dds/dds.h>
@@ -52,6 +53,15 @@ UniqueQos make_qos(QosProfile profile) {
   const dds_data_representation_id_t representation = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &representation);
   return qos;
+}
+
+std::string user_data_of(const dds_qos& qos) {
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (!dds_qget_userdata(&qos, &data, &size) || data == nullptr) return {};
+  const std::string text(static_cast<const char*>(data), size);
+  dds_free(data);
+  return text;
 }
 
 }  // namespace slamfuse::idl

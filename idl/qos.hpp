@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 struct dds_qos;
 
@@ -25,5 +26,8 @@ using UniqueQos = std::unique_ptr<dds_qos, DeleteQos>;
 /// The Cyclone settings of a profile. All use XCDR1 (a Fast DDS reader matches an XCDR2 writer and then receives
 /// nothing), dispose nothing when a writer ends, and request neither deadline nor liveliness, which ROS does not offer.
 UniqueQos make_qos(QosProfile profile);
+
+/// The USER_DATA of an endpoint's or participant's settings, where ROS 2 keeps what DDS has no place for.
+std::string user_data_of(const dds_qos& qos);
 
 }  // namespace slamfuse::idl

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "idl/message.hpp"
+#include "idl/ros_name.hpp"
 #include "idl/untyped_reader.hpp"
 
 namespace slamfuse::idl {
@@ -18,9 +19,8 @@ class Reader {
  public:
   /// `topic` is the ROS name without a leading slash, e.g. "scan".
   static common::Result<Reader> create(const Participant& participant, const std::string& topic, QosProfile profile) {
-    return UntypedReader::create(participant, descriptor<T>(), topic, profile).map([](UntypedReader&& reader) {
-      return Reader(std::move(reader));
-    });
+    return UntypedReader::create(participant, descriptor<T>(), dds_topic_name(topic), *make_qos(profile))
+        .map([](UntypedReader&& reader) { return Reader(std::move(reader)); });
   }
 
   /// The next message, waiting at most `timeout` for it; nothing when none came. The fields are as the sender wrote
@@ -33,6 +33,8 @@ class Reader {
   }
 
   int matched_writers() const { return reader_.matched_writers(); }
+  /// For a WaitSet.
+  const UntypedReader& untyped() const { return reader_; }
   /// May be asked from another thread.
   ReaderHealth health() const { return reader_.health(); }
 

@@ -6,7 +6,6 @@
 
 #include <dds/dds.h>
 
-#include "idl/ros_name.hpp"
 
 namespace slamfuse::idl {
 namespace {
@@ -28,12 +27,11 @@ std::string policy_name(std::uint32_t policy) {
 }  // namespace
 
 common::Result<UntypedReader> UntypedReader::create(const Participant& participant, const dds_topic_descriptor& type,
-                                                    const std::string& topic, QosProfile profile) {
-  const std::string name = dds_topic_name(topic);
+                                                    const std::string& name, const dds_qos& qos) {
   auto topic_entity = own(dds_create_topic(participant.handle(), &type, name.c_str(), nullptr, nullptr),
                           "create topic " + name + " of type " + type.m_typename);
   if (!topic_entity) return tl::unexpected(topic_entity.error());
-  auto reader = own(dds_create_reader(participant.handle(), topic_entity->handle(), make_qos(profile).get(), nullptr),
+  auto reader = own(dds_create_reader(participant.handle(), topic_entity->handle(), &qos, nullptr),
                     "create a reader of " + name);
   if (!reader) return tl::unexpected(reader.error());
   auto condition = own(dds_create_readcondition(reader->handle(), DDS_ANY_STATE), "watch for messages on " + name);
@@ -73,8 +71,17 @@ common::Result<bool> UntypedReader::take_available(void* sample) {
     const dds_return_t count = dds_take(reader_.handle(), &sample, &info, 1, 1);
     if (count < 0) return dds_failed("take a message from " + name_, count);
     if (count == 0) return false;
+    last_sender_ = info.publication_handle;
     if (info.valid_data) return true;  // otherwise only news of a writer that ended
   }
+}
+
+std::string UntypedReader::sender_user_data() const {
+  dds_builtintopic_endpoint_t* const writer = dds_get_matched_publication_data(reader_.handle(), last_sender_);
+  if (writer == nullptr) return {};
+  const std::string text = user_data_of(*writer->qos);
+  dds_builtintopic_free_endpoint(writer);
+  return text;
 }
 
 int UntypedReader::matched_writers() const {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "common/error.hpp"
@@ -24,11 +25,16 @@ struct ReaderHealth {
 /// What Reader<T> does without knowing T.
 class UntypedReader {
  public:
+  /// `topic` is the DDS name, e.g. "rt/scan".
   static common::Result<UntypedReader> create(const Participant& participant, const dds_topic_descriptor& type,
-                                              const std::string& topic, QosProfile profile);
+                                              const std::string& topic, const dds_qos& qos);
   /// Fills `sample` (zeroed memory of the type) with the next message; false when there is none within `timeout`.
   common::Result<bool> take(void* sample, std::chrono::nanoseconds timeout);
+  /// USER_DATA of the writer the last taken message came from; empty when it has none, or has gone.
+  std::string sender_user_data() const;
   int matched_writers() const;
+  /// What a WaitSet waits for.
+  Entity::Handle condition() const { return condition_.handle(); }
   ReaderHealth health() const;
 
  private:
@@ -41,6 +47,7 @@ class UntypedReader {
   Entity condition_;
   Entity waitset_;
   std::string name_;
+  std::uint64_t last_sender_ = 0;  // instance handle of a writer
 };
 
 }  // namespace slamfuse::idl

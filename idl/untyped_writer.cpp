@@ -5,17 +5,15 @@
 
 #include <dds/dds.h>
 
-#include "idl/ros_name.hpp"
 
 namespace slamfuse::idl {
 
 common::Result<UntypedWriter> UntypedWriter::create(const Participant& participant, const dds_topic_descriptor& type,
-                                                    const std::string& topic, QosProfile profile) {
-  const std::string name = dds_topic_name(topic);
+                                                    const std::string& name, const dds_qos& qos) {
   auto topic_entity = own(dds_create_topic(participant.handle(), &type, name.c_str(), nullptr, nullptr),
                           "create topic " + name + " of type " + type.m_typename);
   if (!topic_entity) return tl::unexpected(topic_entity.error());
-  auto writer = own(dds_create_writer(participant.handle(), topic_entity->handle(), make_qos(profile).get(), nullptr),
+  auto writer = own(dds_create_writer(participant.handle(), topic_entity->handle(), &qos, nullptr),
                     "create a writer of " + name);
   if (!writer) return tl::unexpected(writer.error());
   return UntypedWriter(participant, *std::move(topic_entity), *std::move(writer), name);
@@ -31,6 +29,12 @@ common::Result<void> UntypedWriter::write(const void* sample) {
   const dds_return_t code = dds_write(writer_.handle(), sample);
   if (code != DDS_RETCODE_OK) return dds_failed("write to " + name_, code);
   return {};
+}
+
+std::uint64_t UntypedWriter::instance() const {
+  dds_instance_handle_t instance = 0;
+  dds_get_instance_handle(writer_.handle(), &instance);
+  return instance;
 }
 
 int UntypedWriter::matched_readers() const {

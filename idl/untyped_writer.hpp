@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "common/error.hpp"
@@ -15,10 +16,13 @@ namespace slamfuse::idl {
 /// What Writer<T> does without knowing T.
 class UntypedWriter {
  public:
+  /// `topic` is the DDS name, e.g. "rt/scan".
   static common::Result<UntypedWriter> create(const Participant& participant, const dds_topic_descriptor& type,
-                                              const std::string& topic, QosProfile profile);
+                                              const std::string& topic, const dds_qos& qos);
   common::Result<void> write(const void* sample);
   int matched_readers() const;
+  /// What Cyclone calls this writer; other than 0.
+  std::uint64_t instance() const;
   bool wait_for_reader(std::chrono::nanoseconds timeout) const;
   bool wait_for_acknowledgments(std::chrono::nanoseconds timeout) const;
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "idl/message.hpp"
+#include "idl/ros_name.hpp"
 #include "idl/untyped_writer.hpp"
 
 namespace slamfuse::idl {
@@ -16,9 +17,8 @@ class Writer {
  public:
   /// `topic` is the ROS name without a leading slash, e.g. "slamfuse/pose".
   static common::Result<Writer> create(const Participant& participant, const std::string& topic, QosProfile profile) {
-    return UntypedWriter::create(participant, descriptor<T>(), topic, profile).map([](UntypedWriter&& writer) {
-      return Writer(std::move(writer));
-    });
+    return UntypedWriter::create(participant, descriptor<T>(), dds_topic_name(topic), *make_qos(profile))
+        .map([](UntypedWriter&& writer) { return Writer(std::move(writer)); });
   }
 
   /// Sends a copy. Error (kFailed): a reliable reader did not keep up, or the domain broke.

@@ -6,9 +6,11 @@
 
 #include "common/error.hpp"
 #include "service/align_command.hpp"
+#include "service/call_command.hpp"
 #include "service/evaluate_command.hpp"
 #include "service/info_command.hpp"
 #include "service/play_command.hpp"
+#include "service/record_command.hpp"
 #include "service/run_request.hpp"
 #include "service/serve_command.hpp"
 
@@ -21,7 +23,8 @@ struct PrintRequest {
 
 /// What the user asked for.
 using CommandRequest =
-    std::variant<PrintRequest, RunRequest, ServeRequest, PlayRequest, AlignRequest, EvaluateRequest, InfoRequest>;
+    std::variant<PrintRequest, RunRequest, ServeRequest, PlayRequest, RecordRequest, CallRequest,
+                                    AlignRequest, EvaluateRequest, InfoRequest>;
 
 /// Reads the command line, and the configuration file it names. Errors: kUsage for the command line itself,
 /// kInvalidInput for the configuration file.

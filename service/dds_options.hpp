@@ -2,12 +2,16 @@
 #pragma once
 
 #include "common/options.hpp"
+#include "idl/domain_settings.hpp"
+#include "idl/ros_graph.hpp"
 
 namespace slamfuse::service {
 
 /// How `slamfuse run --dds` publishes. Times are of the wall clock: they bound the load on the network, not the content
 /// of any file.
 struct DdsOptions {
+  idl::Network network = idl::Network::kLoopback;
+  idl::RosGraph ros_graph = idl::RosGraph::kFromIron;
   double reader_wait = 1.0;
   double linger = 2.0;
   double map_period = 1.0;
@@ -15,6 +19,12 @@ struct DdsOptions {
   int path_poses = 1000;
 
   void describe(common::OptionVisitor& visit) {
+    visit.choice("network", network, {{"loopback", idl::Network::kLoopback}, {"all", idl::Network::kAll}},
+                 "Who may be met: programs of this machine that use loopback too (ROS_LOCALHOST_ONLY=1), or everybody "
+                 "on the network. ROS_LOCALHOST_ONLY=1 narrows `all` to `loopback`.");
+    visit.choice("ros_graph", ros_graph,
+                 {{"iron", idl::RosGraph::kFromIron}, {"humble", idl::RosGraph::kUpToHumble}, {"none", idl::RosGraph::kNone}},
+                 "Shown as a node in ROS 2's graph: of Iron and later, of Humble and earlier (they differ), or not.");
     visit.real("reader_wait", reader_wait, {0.0, 60.0}, "s",
                "At most so long the run waits for somebody to listen before it starts.");
     visit.real("linger", linger, {0.0, 60.0}, "s",

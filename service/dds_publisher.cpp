@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "fusion/fused_map.hpp"
-#include "idl/participant.hpp"
 #include "idl/writer.hpp"
 #include "service/deadline.hpp"
 #include "service/rate_limit.hpp"
 #include "service/ros_conversion.hpp"
 #include "service/ros_frames.hpp"
+#include "service/thinned_series.hpp"
 
 namespace slamfuse::service {
 namespace {
@@ -26,7 +26,7 @@ struct DdsPublisher::State {
     idl::Writer<idl::Path> writer;
     RateLimit limit;
     std::uint32_t epoch = 0;
-    common::Trajectory2 path = {};
+    ThinnedSeries<common::StampedPose2> path;
   };
 
   DdsOptions options;
@@ -56,7 +56,7 @@ struct DdsPublisher::State {
     LivePath& live = paths.at(estimate.source);
     if (estimate.map_epoch != live.epoch) live.path.clear();  // poses of different epochs never mix
     live.epoch = estimate.map_epoch;
-    live.path.push_back({estimate.stamp, estimate.pose});
+    live.path.push({estimate.stamp, estimate.pose});
   }
 
   template <class Wait>
@@ -70,12 +70,9 @@ struct DdsPublisher::State {
   }
 };
 
-common::Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsOptions& options,
+common::Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const idl::Participant& participant,
+                                                                   const DdsOptions& options,
                                                                    CurrentAlignment current_alignment) {
-  const auto joined = idl::Participant::join();
-  if (!joined) return tl::unexpected(joined.error());
-  const idl::Participant& participant = *joined;
-
   auto pose =
       idl::Writer<idl::PoseWithCovarianceStamped>::create(participant, "slamfuse/pose", idl::QosProfile::kOutput);
   if (!pose) return tl::unexpected(pose.error());
@@ -97,11 +94,13 @@ common::Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsOpti
                                              .landmarks = *std::move(landmarks),
                                              .status = *std::move(status),
                                              .map_limit = RateLimit(options.map_period)});
+  const std::size_t kept = 2 * static_cast<std::size_t>(options.path_poses);  // thinned again when sent
   for (const PoseSource source : {PoseSource::kLaser, PoseSource::kVisual, PoseSource::kFused}) {
     auto path = idl::Writer<idl::Path>::create(participant, "slamfuse/path/" + common::to_string(source),
                                                idl::QosProfile::kOutput);
     if (!path) return tl::unexpected(path.error());
-    state->paths.emplace(source, State::LivePath{*std::move(path), RateLimit(options.path_period)});
+    state->paths.emplace(source, State::LivePath{*std::move(path), RateLimit(options.path_period), 0,
+                                                  ThinnedSeries<common::StampedPose2>(kept)});
   }
 
   const Deadline deadline(options.reader_wait);
@@ -119,12 +118,12 @@ void DdsPublisher::on_estimate(const common::PoseEstimate& estimate) {
   state_->extend_path(estimate);
   State::LivePath& live = state_->paths.at(estimate.source);
   if (estimate.source == PoseSource::kLaser) {
-    if (live.limit.due()) state_->send_path(PoseSource::kLaser, estimate.stamp, live.path);
+    if (live.limit.due()) state_->send_path(PoseSource::kLaser, estimate.stamp, live.path.items());
     return;
   }
   const auto alignment = state_->current_alignment();
   if (!alignment || !alignment->accepted || !live.limit.due()) return;
-  state_->send_path(PoseSource::kVisual, estimate.stamp, fusion::to_laser_frame(live.path, *alignment));
+  state_->send_path(PoseSource::kVisual, estimate.stamp, fusion::to_laser_frame(live.path.items(), *alignment));
 }
 
 void DdsPublisher::on_corrected_pose(const fusion::CorrectedPose& pose) {
@@ -135,7 +134,7 @@ void DdsPublisher::on_corrected_pose(const fusion::CorrectedPose& pose) {
   state_->send(state_->transform, to_ros_transform(header, kOdomFrame, pose.T_map_odom));
   state_->extend_path(estimate);
   State::LivePath& live = state_->paths.at(PoseSource::kFused);
-  if (live.limit.due()) state_->send_path(PoseSource::kFused, estimate.stamp, live.path);
+  if (live.limit.due()) state_->send_path(PoseSource::kFused, estimate.stamp, live.path.items());
 }
 
 void DdsPublisher::on_status(const fusion::StatusEntry& status) {

@@ -12,6 +12,7 @@
 #include "common/occupancy_grid.hpp"
 #include "common/trajectory.hpp"
 #include "fusion/alignment.hpp"
+#include "idl/participant.hpp"
 #include "service/dds_options.hpp"
 #include "service/pipeline_observer.hpp"
 #include "service/unsent_messages.hpp"
@@ -29,16 +30,16 @@ struct DdsFinalState {
 
 /// Publishes a run as ROS 2 topics while it goes on: `slamfuse/pose`, `tf` (map -> odom), `map`, `slamfuse/path/fused`,
 /// `.../laser`, `.../visual`, `slamfuse/landmarks` and `slamfuse/status` (DESIGN section 7). Stamps are those of the
-/// measurements. The domain is that of the environment, see idl::domain_from_environment().
+/// measurements.
 class DdsPublisher : public PipelineObserver {
  public:
   /// The alignment in use, or nothing: visual poses are published in the map frame, so only with an accepted one. Asked
   /// from within the observer's calls.
   using CurrentAlignment = std::function<std::optional<fusion::Alignment>()>;
 
-  /// Joins the domain and waits for listeners as the options say. Errors: a bad ROS_DOMAIN_ID (kInvalidInput), DDS
-  /// cannot start (kFailed).
-  static common::Result<std::unique_ptr<DdsPublisher>> create(const DdsOptions& options,
+  /// Waits for listeners as the options say. Error (kFailed): DDS makes no writer.
+  static common::Result<std::unique_ptr<DdsPublisher>> create(const idl::Participant& participant,
+                                                              const DdsOptions& options,
                                                               CurrentAlignment current_alignment);
   ~DdsPublisher() override;
 

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <utility>
 
-#include "idl/participant.hpp"
 #include "idl/writer.hpp"
 #include "service/clock_now.hpp"
 #include "service/input_diagnostics.hpp"
@@ -29,17 +28,18 @@ bool sleep(const std::stop_token& done) {
 }  // namespace
 
 common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::start(
-    const LiveSource& source, const std::function<void(const std::string&)>& tell) {
-  const auto participant = idl::Participant::join();
-  if (!participant) return tl::unexpected(participant.error());
-  auto made = idl::Writer<idl::DiagnosticArray>::create(*participant, "diagnostics", idl::QosProfile::kOutput);
+    const idl::Participant& participant, idl::GraphPresence presence, const LiveSource& source,
+    const std::function<void(const std::string&)>& tell) {
+  auto made = idl::Writer<idl::DiagnosticArray>::create(participant, "diagnostics", idl::QosProfile::kOutput);
   if (!made) return tl::unexpected(made.error());
 
   std::unique_ptr<DiagnosticsPublisher> publisher(new DiagnosticsPublisher);
-  publisher->thread_ = std::jthread([&source, tell, writer = *std::move(made)](const std::stop_token& done) mutable {
+  publisher->thread_ = std::jthread([&source, tell, writer = *std::move(made),
+                                     presence = std::move(presence)](const std::stop_token& done) mutable {
     InputDiagnostics diagnostics;
     std::map<std::string, DiagnosisLevel> told;
     while (sleep(done)) {
+      static_cast<void>(presence.update());  // topics work without
       const auto diagnoses = diagnostics.look(source.inputs(), std::chrono::steady_clock::now());
       // A failure to send is no news: a reader that does not keep up misses a second.
       static_cast<void>(writer.write(to_ros_diagnostics(clock_now(), diagnoses)));

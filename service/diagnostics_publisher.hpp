@@ -7,6 +7,8 @@
 #include <thread>
 
 #include "common/error.hpp"
+#include "idl/participant.hpp"
+#include "idl/ros_graph.hpp"
 #include "service/live_source.hpp"
 
 namespace slamfuse::service {
@@ -14,9 +16,11 @@ namespace slamfuse::service {
 /// Publishes `diagnostics` every second, in a thread of its own, and tells a log when a topic becomes worse or well.
 class DiagnosticsPublisher {
  public:
-  /// `source` must outlive it; `tell` is called from its thread. Errors as of DdsPublisher.
+  /// `source` must outlive it; `tell` is called from its thread, which also keeps `presence` up to date. Error
+  /// (kFailed): DDS makes no writer.
   static common::Result<std::unique_ptr<DiagnosticsPublisher>> start(
-      const LiveSource& source, const std::function<void(const std::string&)>& tell);
+      const idl::Participant& participant, idl::GraphPresence presence, const LiveSource& source,
+      const std::function<void(const std::string&)>& tell);
 
  private:
   DiagnosticsPublisher() = default;

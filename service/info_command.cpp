@@ -22,6 +22,8 @@ const char* name_of(common::SensorKind kind) {
       return "camera";
     case common::SensorKind::kImu:
       return "imu";
+    case common::SensorKind::kPose:
+      return "pose";
   }
   return "";
 }

@@ -32,6 +32,10 @@ std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const
     return {DiagnosisLevel::kError,
             fmt::format("QoS mismatch: the publisher's {} is not enough for this reader", input.incompatible_qos)};
   }
+  if (!input.other_type.empty()) {
+    return {DiagnosisLevel::kError, fmt::format("type mismatch: {} is published, expected is {}", input.other_type,
+                                                input.type)};
+  }
   if (input.writers == 0 && is_steady(input)) {
     if (!age) return {DiagnosisLevel::kError, "nobody publishes it"};
     return {DiagnosisLevel::kError, fmt::format("its publisher has gone, the last message is {:.1f} s old", *age)};
@@ -70,7 +74,7 @@ std::vector<Diagnosis> InputDiagnostics::look(const std::vector<InputState>& inp
     }
     seen.at = now;
     seen.state = input;
-    const bool heard = input.received > 0 || !input.incompatible_qos.empty();
+    const bool heard = input.received > 0 || !input.incompatible_qos.empty() || !input.other_type.empty();
     // Of a picture's raw and compressed topics one is enough: the other one has nothing to say.
     if (!heard && !input.required && (!input.in_use || input.writers == 0)) continue;
 

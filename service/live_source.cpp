@@ -14,7 +14,7 @@
 
 #include "common/ros_conversions.hpp"
 #include "common/ros_topics.hpp"
-#include "idl/participant.hpp"
+#include "idl/publications.hpp"
 #include "idl/reader.hpp"
 #include "service/clock_now.hpp"
 #include "service/ros_to_sensor.hpp"
@@ -34,12 +34,16 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kNap = 50ms;
 /// Between two reports on what is missing.
 constexpr auto kReport = 5s;
+/// What a topic of poses may be.
+const char* const kPoseTypes =
+    "geometry_msgs/msg/PoseWithCovarianceStamped, geometry_msgs/msg/PoseStamped or nav_msgs/msg/Odometry";
 /// Cameras listened for when nobody names any.
 constexpr int kDefaultCameras = 4;
 
 using Payload =
     std::variant<idl::Message<idl::LaserScan>, idl::Message<idl::Odometry>, idl::Message<idl::Image>,
-                 idl::Message<idl::CompressedImage>, idl::Message<idl::CameraInfo>, idl::Message<idl::TFMessage>>;
+                 idl::Message<idl::CompressedImage>, idl::Message<idl::CameraInfo>, idl::Message<idl::TFMessage>,
+                 idl::Message<idl::PoseWithCovarianceStamped>, idl::Message<idl::PoseStamped>>;
 
 /// A message as it came.
 struct Arrival {
@@ -60,10 +64,12 @@ std::string without_slash(const std::string& topic) { return topic.starts_with('
 
 class LiveSource::Impl {
  public:
-  Impl(LiveSourceOptions options, const std::atomic<bool>& stop, idl::Participant participant)
+  Impl(LiveSourceOptions options, const std::atomic<bool>& stop, idl::Participant participant,
+       idl::Publications publications)
       : options_(std::move(options)),
         stop_(stop),
         participant_(std::move(participant)),
+        publications_(std::move(publications)),
         discovery_(options_.base_frame) {
     info_.path = "DDS";
     info_.format = "dds";
@@ -113,6 +119,8 @@ class LiveSource::Impl {
 
   Result<std::optional<common::RecordingItem>> next() {
     while (!stop_ && !restart_) {
+      restart_ = take_end_wanted();
+      if (restart_) break;
       std::optional<Arrival> arrival;
       if (backlog_.empty()) {
         arrival = take(kNap);
@@ -126,19 +134,29 @@ class LiveSource::Impl {
     return std::optional<common::RecordingItem>();
   }
 
+  void end_session(const std::string& reason) {
+    const std::lock_guard lock(mutex_);
+    end_wanted_ = reason;
+  }
+
   std::optional<std::string> restart_wanted() { return std::exchange(restart_, std::nullopt); }
 
   const common::RecordingInfo& info() const { return info_; }
 
   std::vector<InputState> inputs() const {
     std::vector<InputState> states;
+    const auto publications = publications_.look();
     const std::lock_guard lock(mutex_);
     for (const Input& input : inputs_) {
       InputState state = input.state;
-      const idl::ReaderHealth health = input.health();
+      const idl::ReaderHealth health = input.health ? input.health() : idl::ReaderHealth();
       state.writers = health.matched_writers;
       state.incompatible_qos = health.incompatible_qos;
       state.lost = health.lost;
+      for (const auto& publication : publications) {
+        const bool other = publication.topic == state.topic && publication.type != state.type && state.writers == 0;
+        if (other) state.other_type = publication.type;
+      }
       state.in_use = input.state.sensor.empty() || info_.sensors.contains(input.state.sensor);
       states.push_back(std::move(state));
     }
@@ -170,9 +188,15 @@ class LiveSource::Impl {
     const auto kind = kind_of_sensor(sensor);
     if (!kind) {
       return common::usage_error(fmt::format(
-          "--topic {}: allowed are laser0, odom0 and cam0, cam1, ... (tf and tf_static are always heard)", sensor));
+          "--topic {}: allowed are laser0, odom0, cam0, cam1, ..., laser_pose and visual_pose (tf and tf_static are always "
+          "heard)",
+          sensor));
     }
     if (*kind == SensorKind::kLaser) return listen_for<idl::LaserScan>(sensor, topic, kSensor, required);
+    if (*kind == SensorKind::kPose) {
+      listen_for_poses(sensor, topic, required);
+      return {};
+    }
     if (*kind == SensorKind::kOdometry) return listen_for<idl::Odometry>(sensor, topic, kSensor, required);
     if (auto done = listen_for<idl::CameraInfo>(sensor, common::camera_info_topic(topic), kSensor, required); !done)
       return done;
@@ -186,29 +210,68 @@ class LiveSource::Impl {
     auto made = idl::Reader<T>::create(participant_, topic, profile);
     if (!made) return tl::unexpected(made.error());
     const auto reader = std::make_shared<idl::Reader<T>>(*std::move(made));
-    std::size_t index = 0;
+    const std::size_t index = add_input(sensor, topic, idl::ros_type_name<T>(), required);
     {
       const std::lock_guard lock(mutex_);
-      index = inputs_.size();
-      Input input;
-      input.state.sensor = sensor;
-      input.state.topic = topic;
-      input.state.type = idl::ros_type_name<T>();
-      input.state.required = required;
-      input.health = [reader] { return reader->health(); };
-      inputs_.push_back(std::move(input));
+      inputs_[index].health = [reader] { return reader->health(); };
     }
-    threads_.emplace_back([this, reader, index](const std::stop_token& done) {
+    threads_.emplace_back([this, reader, index](const std::stop_token& done) { receive(*reader, index, done); });
+    return {};
+  }
+
+  std::size_t add_input(const std::string& sensor, const std::string& topic, const std::string& type, bool required) {
+    const std::lock_guard lock(mutex_);
+    Input input;
+    input.state.sensor = sensor;
+    input.state.topic = topic;
+    input.state.type = type;
+    input.state.required = required;
+    inputs_.push_back(std::move(input));
+    return inputs_.size() - 1;
+  }
+
+  template <class T>
+  void receive(idl::Reader<T>& reader, std::size_t index, const std::stop_token& done) {
+    while (!done.stop_requested()) {
+      auto taken = reader.take(kNap);
+      if (!taken) {
+        std::this_thread::sleep_for(kNap);
+      } else if (*taken) {
+        arrived(index, std::move(**taken));
+      }
+    }
+  }
+
+  /// Poses come in one of several types: that of the first who publishes the topic is listened to.
+  void listen_for_poses(const std::string& sensor, const std::string& topic, bool required) {
+    const std::size_t index = add_input(sensor, topic, kPoseTypes, required);
+    threads_.emplace_back([this, topic, index](const std::stop_token& done) {
       while (!done.stop_requested()) {
-        auto taken = reader->take(kNap);
-        if (!taken) {
-          std::this_thread::sleep_for(kNap);
-        } else if (*taken) {
-          arrived(index, std::move(**taken));
+        for (const auto& publication : publications_.look()) {
+          if (publication.topic != topic) continue;
+          if (receive_if<idl::PoseWithCovarianceStamped>(publication.type, topic, index, done)) return;
+          if (receive_if<idl::PoseStamped>(publication.type, topic, index, done)) return;
+          if (receive_if<idl::Odometry>(publication.type, topic, index, done)) return;
         }
+        std::this_thread::sleep_for(kNap);
       }
     });
-    return {};
+  }
+
+  /// Receives until the end when the type is T.
+  template <class T>
+  bool receive_if(const std::string& type, const std::string& topic, std::size_t index, const std::stop_token& done) {
+    if (type != idl::ros_type_name<T>()) return false;
+    auto made = idl::Reader<T>::create(participant_, topic, idl::QosProfile::kSensorInput);
+    if (!made) return false;
+    const auto reader = std::make_shared<idl::Reader<T>>(*std::move(made));
+    {
+      const std::lock_guard lock(mutex_);
+      inputs_[index].state.type = type;
+      inputs_[index].health = [reader] { return reader->health(); };
+    }
+    receive(*reader, index, done);
+    return true;
   }
 
   template <class T>
@@ -224,6 +287,11 @@ class LiveSource::Impl {
     }
     queue_.push_back({index, now, std::move(message)});
     filled_.notify_one();
+  }
+
+  std::optional<std::string> take_end_wanted() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(end_wanted_, std::nullopt);
   }
 
   std::optional<Arrival> take(std::chrono::milliseconds patience) {
@@ -276,7 +344,7 @@ class LiveSource::Impl {
           fmt::format("{} on {}{}", state.sensor, state.topic, problem.empty() ? std::string() : " (" + problem + ")"));
     }
     if (!missing.empty()) return fmt::format("{}", fmt::join(missing, ", "));
-    return eyes ? std::string() : std::string("a laser or a calibrated camera");
+    return eyes ? std::string() : std::string("a laser, a calibrated camera or poses of another system");
   }
 
   /// Takes what has been found out as what this recording is.
@@ -288,7 +356,7 @@ class LiveSource::Impl {
       if (found != info.calibration.cameras.end()) found->second.readout = readout;
     }
     for (const auto& [sensor, about] : info.sensors) {
-      if (about.kind == SensorKind::kOdometry) T_child_base_[sensor] = discovery_.T_child_base(sensor);
+      if (about.kind == SensorKind::kOdometry || about.kind == SensorKind::kPose) T_child_base_[sensor] = discovery_.T_child_base(sensor);
     }
     // What is rejected before the first good message still happened about then, not in 1970.
     last_stamp_ = discovery_.newest_stamp();
@@ -330,6 +398,7 @@ class LiveSource::Impl {
     return common::to_laser_scan(*scan, sensor, info_.calibration.lasers.at(sensor));
   }
   Result<common::SensorMessage> decode(const idl::Odometry& message, const std::string& sensor) const {
+    if (info_.sensors.at(sensor).kind == SensorKind::kPose) return to_pose(pose_from_ros(message), sensor);
     const auto odometry = from_ros(message);
     if (!odometry) return tl::unexpected(odometry.error());
     return common::to_wheel_odometry(*odometry, sensor, T_child_base_.at(sensor));
@@ -343,6 +412,17 @@ class LiveSource::Impl {
     const auto image = from_ros(message);
     if (!image) return tl::unexpected(image.error());
     return to_image(image->header, sensor, common::decode_gray_image(image->data, size_of(sensor)));
+  }
+  Result<common::SensorMessage> decode(const idl::PoseWithCovarianceStamped& message, const std::string& sensor) const {
+    return to_pose(from_ros(message), sensor);
+  }
+  Result<common::SensorMessage> decode(const idl::PoseStamped& message, const std::string& sensor) const {
+    return to_pose(from_ros(message), sensor);
+  }
+  Result<common::SensorMessage> to_pose(const Result<RosPose>& pose, const std::string& sensor) const {
+    if (!pose) return tl::unexpected(pose.error());
+    const common::Pose2 T_map_base = common::to_pose2(pose->pose) * T_child_base_.at(sensor);
+    return common::ExternalPose{pose->header.stamp, sensor, pose->header.frame, T_map_base, pose->covariance};
   }
   static Result<common::SensorMessage> decode(const idl::CameraInfo&, const std::string&) {
     return common::invalid_input("not a sensor message");
@@ -384,12 +464,14 @@ class LiveSource::Impl {
   const LiveSourceOptions options_;
   const std::atomic<bool>& stop_;
   idl::Participant participant_;
+  idl::Publications publications_;
 
-  mutable std::mutex mutex_;  // guards inputs_ and queue_, and info_ where another thread looks at it
+  mutable std::mutex mutex_;  // guards inputs_, queue_ and end_wanted_, and info_ where another thread looks at it
   std::condition_variable filled_;
   std::vector<Input> inputs_;
   std::deque<Arrival> queue_;
   common::RecordingInfo info_;
+  std::optional<std::string> end_wanted_;
 
   // of the thread that calls prepare() and next()
   std::deque<Arrival> backlog_;
@@ -402,11 +484,12 @@ class LiveSource::Impl {
   std::vector<std::jthread> threads_;  // last: they end before what they use
 };
 
-Result<std::unique_ptr<LiveSource>> LiveSource::create(const LiveSourceOptions& options,
+Result<std::unique_ptr<LiveSource>> LiveSource::create(const idl::Participant& participant,
+                                                       const LiveSourceOptions& options,
                                                        const std::atomic<bool>& stop) {
-  auto participant = idl::Participant::join();
-  if (!participant) return tl::unexpected(participant.error());
-  auto impl = std::make_unique<Impl>(options, stop, *std::move(participant));
+  auto publications = idl::Publications::create(participant);
+  if (!publications) return tl::unexpected(publications.error());
+  auto impl = std::make_unique<Impl>(options, stop, participant, *std::move(publications));
   if (auto listening = impl->listen(); !listening) return tl::unexpected(listening.error());
   return std::unique_ptr<LiveSource>(new LiveSource(std::move(impl)));
 }
@@ -418,6 +501,7 @@ Result<void> LiveSource::prepare(const std::function<void(const std::string&)>& 
 const common::RecordingInfo& LiveSource::info() const { return impl_->info(); }
 Result<std::optional<common::RecordingItem>> LiveSource::next() { return impl_->next(); }
 std::optional<std::string> LiveSource::restart_wanted() { return impl_->restart_wanted(); }
+void LiveSource::end_session(const std::string& reason) { impl_->end_session(reason); }
 std::vector<InputState> LiveSource::inputs() const { return impl_->inputs(); }
 
 }  // namespace slamfuse::service

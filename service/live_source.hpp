@@ -13,12 +13,14 @@
 
 #include "common/error.hpp"
 #include "common/recording.hpp"
+#include "idl/participant.hpp"
 
 namespace slamfuse::service {
 
 /// What a live source listens to.
 struct LiveSourceOptions {
-  /// Topics by sensor name; empty: `scan`, `odom` and `cam0/image_raw` to `cam3/image_raw`, raw or compressed, of which
+  /// Topics by sensor name, `laser_pose` and `visual_pose` being the poses of other SLAM systems in the place of a half;
+  /// empty: `scan`, `odom` and `cam0/image_raw` to `cam3/image_raw`, raw or compressed, of which
   /// those take part that are heard. Topics given here must all be heard before it starts.
   std::map<std::string, std::string> topics;
   bool lasers = true;   ///< false: default topics without `scan`
@@ -38,6 +40,7 @@ struct InputState {
   bool in_use = false;           ///< by a module
   int writers = 0;               ///< matched
   std::string incompatible_qos;  ///< the policy that kept a writer from matching; empty: none did
+  std::string other_type;        ///< that somebody publishes under this name while nobody publishes `type`
   std::size_t received = 0;
   std::size_t rejected = 0;
   std::size_t dropped = 0;     ///< the queue was full
@@ -53,9 +56,10 @@ struct InputState {
 /// called. Bad messages and stamps that do not rise come as RejectedMessage.
 class LiveSource final : public common::Recording {
  public:
-  /// Starts to listen. Setting `stop` ends every wait, and the recording. Errors: a bad ROS_DOMAIN_ID (kInvalidInput),
-  /// DDS cannot start (kFailed), a sensor name whose kind is not known (kUsage).
-  static common::Result<std::unique_ptr<LiveSource>> create(const LiveSourceOptions& options,
+  /// Starts to listen. Setting `stop` ends every wait, and the recording. Errors: DDS makes no reader (kFailed), a
+  /// sensor name whose kind is not known (kUsage).
+  static common::Result<std::unique_ptr<LiveSource>> create(const idl::Participant& participant,
+                                                            const LiveSourceOptions& options,
                                                             const std::atomic<bool>& stop);
   ~LiveSource() override;
 
@@ -70,6 +74,9 @@ class LiveSource final : public common::Recording {
 
   /// Why what follows belongs to another time: next() goes on with it, for new modules. Empty once asked.
   std::optional<std::string> restart_wanted();
+
+  /// From any thread: next() is to come to an end for this reason, as when a clock stepped back.
+  void end_session(const std::string& reason);
 
   /// Every topic listened to; from any thread.
   std::vector<InputState> inputs() const;

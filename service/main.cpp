@@ -60,16 +60,20 @@ Result<std::string> carry_out(const service::CommandRequest& request) {
     if (service::ProgressLine::is_wanted()) progress.emplace();
     return service::run_recording(*run, progress ? &*progress : nullptr, stop_requested, [] { run_under_way = true; });
   }
+  const auto tell = [](const std::string& news) {
+    fmt::print(stderr, "slamfuse: {}\n", news);
+    std::fflush(stderr);
+  };
+  if (const auto* record = std::get_if<service::RecordRequest>(&request)) {
+    return service::run_record(*record, tell, stop_requested, [] { run_under_way = true; });
+  }
   if (const auto* serve = std::get_if<service::ServeRequest>(&request)) {
-    const auto tell = [](const std::string& news) {
-      fmt::print(stderr, "slamfuse: {}\n", news);
-      std::fflush(stderr);
-    };
     return service::run_serve(*serve, tell, stop_requested, [] { run_under_way = true; });
   }
   if (const auto* play = std::get_if<service::PlayRequest>(&request)) {
     return service::run_play(*play, stop_requested, [] { run_under_way = true; });
   }
+  if (const auto* call = std::get_if<service::CallRequest>(&request)) return service::run_call(*call);
   if (const auto* align = std::get_if<service::AlignRequest>(&request)) return service::run_align(*align);
   if (const auto* evaluate = std::get_if<service::EvaluateRequest>(&request)) return service::run_evaluate(*evaluate);
   if (const auto* info = std::get_if<service::InfoRequest>(&request)) return service::run_info(*info);

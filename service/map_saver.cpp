@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/map_saver.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "service/map_bundle.hpp"
@@ -11,11 +12,12 @@ namespace slamfuse::service {
 using common::PoseSource;
 
 MapSaver::MapSaver(std::filesystem::path path, std::uint64_t seed, std::string recording,
-                   CurrentAlignment current_alignment)
+                   CurrentAlignment current_alignment, std::size_t most_poses)
     : path_(std::move(path)),
       seed_(seed),
       recording_(std::move(recording)),
       current_alignment_(std::move(current_alignment)),
+      fused_(most_poses),
       writer_([this](const std::stop_token& done) { write_all(done); }) {}
 
 MapSaver::~MapSaver() = default;
@@ -23,13 +25,15 @@ MapSaver::~MapSaver() = default;
 void MapSaver::on_corrected_pose(const fusion::CorrectedPose& pose) {
   if (pose.estimate.map_epoch != fused_epoch_) fused_.clear();  // poses of different epochs never mix
   fused_epoch_ = pose.estimate.map_epoch;
-  fused_.push_back({pose.estimate.stamp, pose.estimate.pose});
+  fused_.push({pose.estimate.stamp, pose.estimate.pose});
 }
 
 void MapSaver::on_checkpoint(PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) {
   modules_[source] = checkpoint;
-  Snapshot snapshot{modules_, current_alignment_(), fused_};
+  Snapshot snapshot{{}, modules_, current_alignment_(), fused_.items()};
   const std::lock_guard lock(mutex_);
+  ++arrived_[source];
+  snapshot.count = arrived_;
   next_ = std::move(snapshot);  // in place of one that still waits: only the newest matters
   wanted_.notify_one();
 }
@@ -56,7 +60,35 @@ void MapSaver::write_all(const std::stop_token& done) {
     const std::lock_guard lock(mutex_);
     if (written) ++saved_;
     failure_ = written ? std::nullopt : std::optional(written.error());
+    attempted_ = snapshot->count;
+    written_.notify_all();
   }
+}
+
+common::Result<void> MapSaver::save_new(const std::set<PoseSource>& halves, const std::function<void()>& ask,
+                                        std::chrono::nanoseconds patience) {
+  std::unique_lock lock(mutex_);
+  const Count before = arrived_;
+  const auto count_of = [](const Count& count, PoseSource half) {
+    const auto found = count.find(half);
+    return found == count.end() ? 0 : found->second;
+  };
+  lock.unlock();
+  ask();
+  lock.lock();
+  const bool done = written_.wait_for(lock, patience, [&] {
+    return std::ranges::all_of(halves,
+                               [&](PoseSource half) { return count_of(attempted_, half) > count_of(before, half); });
+  });
+  if (!done) {
+    for (const PoseSource half : halves) {
+      if (count_of(attempted_, half) > count_of(before, half)) continue;
+      return common::failed("the " + common::to_string(half) +
+                            " half made no pose meanwhile, so what was saved is older than this request");
+    }
+  }
+  if (failure_) return tl::unexpected(*failure_);
+  return {};
 }
 
 common::Result<void> MapSaver::write(const Snapshot& snapshot) const {

@@ -2,10 +2,23 @@
 #include "service/merge_stage.hpp"
 
 #include <chrono>
+#include <string>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "fusion/measurement_model.hpp"
 
 namespace slamfuse::service {
 
+using common::PoseSource;
+
 void MergeStage::handle(const MergedStep& step) {
+  if (requests_ != nullptr) {
+    requests_->serve([&](const PipelineRequest& request) {
+      return std::visit([&](const auto& wanted) { return this->carry_out(step, wanted); }, request);
+    });
+  }
   if (step.rejected) tell_rejected(*step.rejected);
   if (step.odometry) {
     observer_.on_odometry(*step.odometry);
@@ -34,12 +47,16 @@ void MergeStage::fuse(const MergedStep& step, const Input& input) {
   const fusion::FusionOutput output = fusion_.process(input);
   const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
   ++counters_.inputs;
-  counters_.updates.push_back({input.stamp, elapsed.count()});
+  counters_.updated({input.stamp, elapsed.count()});
 
   if (output.rejected) {
     ++counters_.rejected;
     tell_rejected({input.stamp, "fusion", *output.rejected});
   }
+  tell(step, output);
+}
+
+void MergeStage::tell(const MergedStep& step, const fusion::FusionOutput& output) {
   for (const auto& event : output.events) observer_.on_event(event);
   for (const auto& status : output.status) observer_.on_status(status);
   for (const auto& command : output.commands) commands_.issue(step, command.target, command.command);
@@ -47,6 +64,29 @@ void MergeStage::fuse(const MergedStep& step, const Input& input) {
     ++counters_.poses;
     observer_.on_corrected_pose(*output.pose);
   }
+}
+
+PipelineRequests::Answer MergeStage::carry_out(const MergedStep& step, const PlaceRobot& request) {
+  commands_.issue(step, PoseSource::kLaser, request.at);
+  const auto& alignment = fusion_.alignment();
+  if (!alignment || !alignment->accepted) return std::string("the laser half is told; the visual map is not aligned");
+  const auto visual = fusion::visual_pose({request.at.pose, request.at.covariance}, *alignment);
+  commands_.issue(step, PoseSource::kVisual, common::SetPose{visual.pose, visual.covariance});
+  return std::string("both halves are told");
+}
+
+PipelineRequests::Answer MergeStage::carry_out(const MergedStep& step, const SearchMap& /*request*/) {
+  commands_.issue(step, PoseSource::kLaser, common::Relocalise{});
+  return std::string("the laser half searches its whole map");
+}
+
+PipelineRequests::Answer MergeStage::carry_out(const MergedStep& step, const AlignNow& /*request*/) {
+  tell(step, fusion_.align_now());
+  const auto& alignment = fusion_.alignment();
+  if (!alignment) return common::failed("there is nothing to align yet");
+  if (!alignment->accepted) return common::failed("the alignment was refused: " + alignment->reason);
+  return fmt::format("aligned: scale {:.4f}, rotation {:.2f} deg, rmse {:.3f} m over {} pairs", alignment->mean_scale,
+                     alignment->rotation_deg, alignment->rmse, alignment->pairs);
 }
 
 void MergeStage::tell_rejected(const common::RejectedMessage& message) {

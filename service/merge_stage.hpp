@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+
 #include "service/command_path.hpp"
 #include "service/fusion_stage.hpp"
 #include "service/merge_window.hpp"
 #include "service/module_counters.hpp"
 #include "service/pipeline_observer.hpp"
+#include "service/pipeline_requests.hpp"
 #include "service/rejection_log.hpp"
 
 namespace slamfuse::service {
@@ -14,8 +17,12 @@ namespace slamfuse::service {
 /// to the observer. Used from one thread at a time.
 class MergeStage {
  public:
-  MergeStage(FusionStage& fusion, CommandPath& commands, PipelineObserver& observer)
-      : fusion_(fusion), commands_(commands), observer_(observer) {}
+  /// Keeps at most `most_kept` update times. `requests` may be missing.
+  MergeStage(FusionStage& fusion, CommandPath& commands, PipelineObserver& observer, std::size_t most_kept,
+             PipelineRequests* requests)
+      : fusion_(fusion), commands_(commands), observer_(observer), requests_(requests) {
+    counters_.updates = ThinnedSeries<UpdateTime>(most_kept);
+  }
 
   /// The next step in index order.
   void handle(const MergedStep& step);
@@ -28,11 +35,16 @@ class MergeStage {
  private:
   template <class Input>
   void fuse(const MergedStep& step, const Input& input);
+  void tell(const MergedStep& step, const fusion::FusionOutput& output);
+  PipelineRequests::Answer carry_out(const MergedStep& step, const PlaceRobot& request);
+  PipelineRequests::Answer carry_out(const MergedStep& step, const SearchMap& request);
+  PipelineRequests::Answer carry_out(const MergedStep& step, const AlignNow& request);
   void tell_rejected(const common::RejectedMessage& message);
 
   FusionStage& fusion_;
   CommandPath& commands_;
   PipelineObserver& observer_;
+  PipelineRequests* requests_;
   RejectionLog rejections_;
   ModuleCounters counters_;
 };

@@ -2,6 +2,7 @@
 #include "service/module_stage.hpp"
 
 #include <chrono>
+#include <utility>
 #include <variant>
 
 namespace slamfuse::service {
@@ -19,7 +20,8 @@ bool is_due(common::Nanoseconds interval, common::Nanoseconds stamp, std::option
 }  // namespace
 
 bool ModuleStage::is_exteroceptive(const common::SensorMessage& message) {
-  return std::holds_alternative<common::LaserScan>(message) || std::holds_alternative<common::Image>(message);
+  return std::holds_alternative<common::LaserScan>(message) || std::holds_alternative<common::Image>(message) ||
+         std::holds_alternative<common::ExternalPose>(message);
 }
 
 ModuleOutput ModuleStage::process(const NumberedMessage& input, const std::vector<common::Command>& commands) {
@@ -32,7 +34,7 @@ ModuleOutput ModuleStage::process(const NumberedMessage& input, const std::vecto
 
   if (is_exteroceptive(input.message)) {
     ++counters_.inputs;
-    counters_.updates.push_back({stamp, elapsed.count()});
+    counters_.updated({stamp, elapsed.count()});
   }
   ModuleOutput output;
   if (result.rejected) {
@@ -56,7 +58,12 @@ std::shared_ptr<const common::OccupancyGrid> ModuleStage::map_if_due(common::Nan
 std::shared_ptr<const ModuleCheckpoint> ModuleStage::checkpoint_if_due(common::Nanoseconds stamp) {
   if (!module_.checkpoint) return nullptr;
   if (!last_checkpoint_) last_checkpoint_ = stamp;  // the first moment is not worth saving
-  if (!is_due(intervals_.checkpoint, stamp, last_checkpoint_)) return nullptr;
+  const std::uint32_t wanted = requests_ != nullptr ? requests_->checkpoints_wanted() : 0;
+  if (std::exchange(checkpoints_answered_, wanted) != wanted) {
+    last_checkpoint_ = stamp;
+  } else if (!is_due(intervals_.checkpoint, stamp, last_checkpoint_)) {
+    return nullptr;
+  }
   return std::make_shared<const ModuleCheckpoint>(module_.checkpoint());
 }
 

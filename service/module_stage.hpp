@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "common/slam_module.hpp"
 #include "service/merge_window.hpp"
 #include "service/module_counters.hpp"
+#include "service/pipeline_requests.hpp"
 
 namespace slamfuse::service {
 
@@ -31,11 +34,15 @@ struct ModuleIntervals {
 /// Used from one thread at a time.
 class ModuleStage {
  public:
-  ModuleStage(const PipelineModule& module, const ModuleIntervals& intervals)
-      : module_(module), intervals_(intervals) {}
+  /// Keeps at most `most_kept` update times. `requests` (may be missing) may ask for a checkpoint before it is due.
+  ModuleStage(const PipelineModule& module, const ModuleIntervals& intervals, std::size_t most_kept,
+              const PipelineRequests* requests)
+      : module_(module), intervals_(intervals), requests_(requests) {
+    counters_.updates = ThinnedSeries<UpdateTime>(most_kept);
+  }
 
   common::PoseSource source() const { return module_.module->source(); }
-  /// Whether a message is what the module is there for, a scan or an image, and not only a help.
+  /// Whether a message is what the module is there for (a scan, an image, a pose), and not only a help.
   static bool is_exteroceptive(const common::SensorMessage& message);
   bool wants(const common::SensorMessage& message) const { return module_.module->wants(message); }
 
@@ -52,6 +59,8 @@ class ModuleStage {
   ModuleIntervals intervals_;
   std::optional<common::Nanoseconds> last_map_;
   std::optional<common::Nanoseconds> last_checkpoint_;
+  const PipelineRequests* requests_;
+  std::uint32_t checkpoints_answered_ = 0;
   ModuleCounters counters_;
 };
 

@@ -15,6 +15,7 @@
 
 #include "service/bounded_queue.hpp"
 #include "service/command_path.hpp"
+#include "service/external_poses.hpp"
 #include "service/input_numbering.hpp"
 #include "service/merge_stage.hpp"
 #include "service/merge_window.hpp"
@@ -31,9 +32,10 @@ struct Stages {
       : inputs(*parts.recording),
         pacer(options.rate),
         commands(options.command_delay),
-        merge(*parts.fusion, commands, *parts.observer) {
+        merge(*parts.fusion, commands, *parts.observer, options.most_kept, parts.requests) {
     for (const auto& module : parts.modules) {
-      modules.emplace_back(module, ModuleIntervals{options.map_interval, options.checkpoint_interval});
+      modules.emplace_back(module, ModuleIntervals{options.map_interval, options.checkpoint_interval},
+                           options.most_kept, parts.requests);
     }
   }
 
@@ -71,6 +73,8 @@ PoseSource consumer_of(const common::RejectedMessage& message, const common::Rec
       return PoseSource::kLaser;
     case common::SensorKind::kCamera:
       return PoseSource::kVisual;
+    case common::SensorKind::kPose:
+      return message.sensor == kVisualPose ? PoseSource::kVisual : PoseSource::kLaser;
     case common::SensorKind::kOdometry:
     case common::SensorKind::kImu:
       break;

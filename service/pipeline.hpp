@@ -13,6 +13,7 @@
 #include "service/module_counters.hpp"
 #include "service/module_stage.hpp"
 #include "service/pipeline_observer.hpp"
+#include "service/pipeline_requests.hpp"
 
 namespace slamfuse::service {
 
@@ -26,6 +27,7 @@ struct PipelineOptions {
   /// soon as it is there, so the order depends on the modules' pace. 0: a replay, nothing is dropped.
   /// Only with several threads: one thread never has anything waiting.
   int live_backlog = 0;
+  std::size_t most_kept = ThinnedSeries<UpdateTime>::kAll;  ///< update times of each module; more are thinned
   double rate = 0.0;  ///< recording seconds in a second of wall time; 0: as fast as possible
 };
 
@@ -35,6 +37,7 @@ struct PipelineParts {
   std::vector<PipelineModule> modules;
   FusionStage* fusion = nullptr;
   PipelineObserver* observer = nullptr;
+  PipelineRequests* requests = nullptr;  ///< may be missing
 };
 
 struct PipelineOutcome {

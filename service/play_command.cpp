@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/play_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <map>
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "common/replay.hpp"
+#include "idl/participant.hpp"
 #include "service/clock_now.hpp"
 #include "service/pacer.hpp"
 #include "service/recording_publisher.hpp"
@@ -59,29 +61,67 @@ std::string in_words(const PlayRequest& request, const Tally& tally, const commo
   return text;
 }
 
+/// Between the last stamp of a turn and the first of the next.
+constexpr common::Nanoseconds kBetweenTurns = common::kNanosecondsPerSecond;
+
 }  // namespace
+
+common::SensorMessage Continuation::next(common::SensorMessage message) {
+  const common::Nanoseconds recorded = common::stamp_of(message);
+  if (!first_) {
+    first_ = recorded;
+    if (later_turn_) shift_ = newest_ + kBetweenTurns - recorded;
+  }
+  std::visit([this](auto& m) { m.stamp += shift_; }, message);
+  newest_ = std::max(newest_, recorded + shift_);
+  if (auto* odometry = std::get_if<common::WheelOdometry>(&message)) {
+    auto& T_published_recorded = T_published_recorded_[odometry->sensor];
+    const auto newest = newest_odometry_.find(odometry->sensor);
+    const bool goes_on = later_turn_ && newest != newest_odometry_.end() && !aligned_.contains(odometry->sensor);
+    if (goes_on) T_published_recorded = newest->second * odometry->pose.inverse();
+    aligned_.insert(odometry->sensor);
+    odometry->pose = T_published_recorded * odometry->pose;
+    newest_odometry_[odometry->sensor] = odometry->pose;
+  }
+  return message;
+}
+
+void Continuation::again() {
+  first_.reset();
+  later_turn_ = true;
+  aligned_.clear();
+}
 
 common::Result<std::string> run_play(const PlayRequest& request, const std::atomic<bool>& stop,
                                      const std::function<void()>& on_started) {
   auto recording = open(request);
   if (!recording) return tl::unexpected(recording.error());
-  const auto publisher = RecordingPublisher::create((*recording)->info());
+  const auto participant = idl::Participant::join(request.network);
+  if (!participant) return tl::unexpected(participant.error());
+  const auto publisher = RecordingPublisher::create(*participant, (*recording)->info());
   if (!publisher) return tl::unexpected(publisher.error());
   (*publisher)->wait_for_readers(request.wait);
   on_started();
 
   Pacer pacer(request.rate);
   Tally tally;
+  Continuation continuation;
   std::optional<common::Nanoseconds> shift;
-  while (!stop) {
+  for (int turn = 1; !stop;) {
     auto item = (*recording)->next();
     if (!item) return tl::unexpected(item.error());
-    if (!*item) break;
+    if (!*item) {
+      if (turn++ == request.times) break;
+      recording = open(request);
+      if (!recording) return tl::unexpected(recording.error());
+      continuation.again();
+      continue;
+    }
     if (const auto* rejected = std::get_if<common::RejectedMessage>(&**item)) {
       tally.add(*rejected);
       continue;
     }
-    const auto& message = std::get<common::SensorMessage>(**item);
+    const auto message = continuation.next(std::get<common::SensorMessage>(std::move(**item)));
     const common::Nanoseconds stamp = common::stamp_of(message);
     if (!shift) {
       shift = request.stamps == PlayStamps::kNow ? clock_now() - stamp : 0;

@@ -8,7 +8,6 @@
 #include <variant>
 #include <vector>
 
-#include "idl/participant.hpp"
 #include "idl/writer.hpp"
 #include "service/deadline.hpp"
 #include "service/ros_frames.hpp"
@@ -65,6 +64,8 @@ struct RecordingPublisher::State {
         return add(odometries, sensor, kind);
       case common::SensorKind::kCamera:
         return add_camera(sensor);
+      case common::SensorKind::kPose:
+        return {};  // no recording has one
       case common::SensorKind::kImu:
         break;
     }
@@ -91,20 +92,20 @@ struct RecordingPublisher::State {
     send(odometries.at(odometry.sensor), to_ros_odometry({stamp, kOdomFrame}, kBaseFrame, odometry));
     send(transform, to_ros_transform({stamp, kOdomFrame}, kBaseFrame, odometry.pose));
   }
+  void send(const common::ExternalPose& /*pose*/, common::Nanoseconds /*stamp*/) {}
   void send(const common::Imu& imu, common::Nanoseconds stamp) {
     send(imus.at(imu.sensor), to_ros_imu({stamp, imu.sensor}, imu));
   }
 };
 
-common::Result<std::unique_ptr<RecordingPublisher>> RecordingPublisher::create(const common::RecordingInfo& info) {
-  const auto participant = idl::Participant::join();
-  if (!participant) return tl::unexpected(participant.error());
-  auto transform = idl::Writer<idl::TFMessage>::create(*participant, "tf", idl::QosProfile::kOutput);
+common::Result<std::unique_ptr<RecordingPublisher>> RecordingPublisher::create(const idl::Participant& participant,
+                                                                               const common::RecordingInfo& info) {
+  auto transform = idl::Writer<idl::TFMessage>::create(participant, "tf", idl::QosProfile::kOutput);
   if (!transform) return tl::unexpected(transform.error());
-  auto mountings = idl::Writer<idl::TFMessage>::create(*participant, "tf_static", idl::QosProfile::kLatchedOutput);
+  auto mountings = idl::Writer<idl::TFMessage>::create(participant, "tf_static", idl::QosProfile::kLatchedOutput);
   if (!mountings) return tl::unexpected(mountings.error());
   auto state = std::make_unique<State>(State{.calibration = info.calibration,
-                                             .participant = *participant,
+                                             .participant = participant,
                                              .transform = *std::move(transform),
                                              .mountings = *std::move(mountings)});
   for (const auto& [name, sensor] : info.sensors) {

@@ -6,17 +6,19 @@
 #include "common/error.hpp"
 #include "common/recording.hpp"
 #include "common/sensor_message.hpp"
+#include "idl/participant.hpp"
 #include "service/unsent_messages.hpp"
 
 namespace slamfuse::service {
 
 /// Publishes the messages of a recording as the robot's drivers would: sensors on topic_of() (sensor_topic.hpp),
 /// `camN/camera_info` beside every picture, `tf` (odom -> base_link) beside the odometry, and the mountings once as
-/// `tf_static`. Sensors' frames have the sensors' names. The domain is that of the environment.
+/// `tf_static`. Sensors' frames have the sensors' names.
 class RecordingPublisher {
  public:
-  /// Errors: a bad ROS_DOMAIN_ID (kInvalidInput), DDS cannot start (kFailed).
-  static common::Result<std::unique_ptr<RecordingPublisher>> create(const common::RecordingInfo& info);
+  /// Error (kFailed): DDS makes no writer.
+  static common::Result<std::unique_ptr<RecordingPublisher>> create(const idl::Participant& participant,
+                                                                    const common::RecordingInfo& info);
   ~RecordingPublisher();
 
   /// Waits at most so long [s] until every sensor's topic has a reader; says whether all have.

@@ -22,7 +22,9 @@ std::string without_figures(const std::string& reason) {
 }  // namespace
 
 std::optional<common::Event> RejectionLog::add(const common::RejectedMessage& message) {
-  Kind& kind = kinds_[{message.sensor, without_figures(message.reason)}];
+  std::pair key(message.sensor, without_figures(message.reason));
+  if (kinds_.size() >= kMostKinds && !kinds_.contains(key)) key.second.clear();
+  Kind& kind = kinds_[key];
   kind.last_stamp = message.stamp;
   if (++kind.count > 1) return std::nullopt;
   kind.first = message;

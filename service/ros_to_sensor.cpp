@@ -33,6 +33,35 @@ Result<common::Pose3> pose_of(double x, double y, double z, const idl::Quaternio
   return pose;
 }
 
+/// The planar part of a covariance over (x, y, z, roll, pitch, yaw).
+Result<Eigen::Matrix3d> covariance_of(const double (&covariance)[36]) {
+  constexpr int kPlanar[] = {0, 1, 5};
+  constexpr int kSize = 6;
+  Eigen::Matrix3d planar;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      planar(row, column) = covariance[kSize * kPlanar[row] + kPlanar[column]];
+    }
+    if (planar(row, row) < 0.0) return common::invalid_input("a negative variance");
+  }
+  if (!planar.allFinite()) return common::invalid_input("a covariance that is not finite");
+  return Eigen::Matrix3d(0.5 * (planar + planar.transpose()));
+}
+
+Result<RosPose> pose_of(const idl::Header& from, const char* child, const idl::Pose& pose,
+                        const double (*covariance)[36]) {
+  auto header = header_of(from);
+  if (!header) return tl::unexpected(header.error());
+  const auto read = pose_of(pose.position.x, pose.position.y, pose.position.z, pose.orientation);
+  if (!read) return tl::unexpected(read.error());
+  RosPose result{*std::move(header), frame_of(child), *read, std::nullopt};
+  if (covariance == nullptr) return result;
+  const auto planar = covariance_of(*covariance);
+  if (!planar) return tl::unexpected(planar.error());
+  result.covariance = *planar;
+  return result;
+}
+
 template <class Sequence>
 auto span_of(const Sequence& sequence) {
   return std::span(static_cast<const std::remove_pointer_t<decltype(sequence._buffer)>*>(sequence._buffer),
@@ -101,6 +130,18 @@ Result<std::vector<common::RosTransform>> from_ros(const idl::TFMessage& message
     transforms.push_back({*std::move(header), frame_of(transform.child_frame_id), *pose});
   }
   return transforms;
+}
+
+Result<RosPose> from_ros(const idl::PoseWithCovarianceStamped& message) {
+  return pose_of(message.header, nullptr, message.pose.pose, &message.pose.covariance);
+}
+
+Result<RosPose> from_ros(const idl::PoseStamped& message) {
+  return pose_of(message.header, nullptr, message.pose, nullptr);
+}
+
+Result<RosPose> pose_from_ros(const idl::Odometry& message) {
+  return pose_of(message.header, message.child_frame_id, message.pose.pose, &message.pose.covariance);
 }
 
 }  // namespace slamfuse::service

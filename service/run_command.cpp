@@ -17,7 +17,10 @@ namespace {
 /// The publisher `--dds` asks for; none otherwise.
 common::Result<std::unique_ptr<DdsPublisher>> make_publisher(const RunRequest& request, const RunSession& session) {
   if (!request.dds) return std::unique_ptr<DdsPublisher>();
-  return DdsPublisher::create(request.configuration.service.dds, [&session] { return session.alignment(); });
+  const DdsOptions& options = request.configuration.service.dds;
+  const auto participant = idl::Participant::join(options.network);
+  if (!participant) return tl::unexpected(participant.error());
+  return DdsPublisher::create(*participant, options, [&session] { return session.alignment(); });
 }
 
 }  // namespace

@@ -3,16 +3,35 @@
 
 namespace slamfuse::service {
 
+using common::PoseSource;
+
+RunRecorder::RunRecorder(std::size_t most_kept) : most_kept_(most_kept), status_(most_kept) {}
+
 void RunRecorder::on_odometry(const common::WheelOdometry& odometry) {
-  log_.trajectories[common::PoseSource::kOdometry].push_back({odometry.stamp, odometry.pose});
+  series(trajectories_, PoseSource::kOdometry).push({odometry.stamp, odometry.pose});
 }
 
 void RunRecorder::on_estimate(const common::PoseEstimate& estimate) {
-  log_.estimates[estimate.source].push_back(estimate);
+  series(estimates_, estimate.source).push(estimate);
   if (estimate.state == common::TrackingState::kLost) return;
-  log_.trajectories[estimate.source].push_back({estimate.stamp, estimate.pose});
+  series(trajectories_, estimate.source).push({estimate.stamp, estimate.pose});
 }
 
 void RunRecorder::on_corrected_pose(const fusion::CorrectedPose& pose) { on_estimate(pose.estimate); }
+
+void RunRecorder::on_event(const common::Event& event) {
+  // How it began and what happened last tell more than an even choice.
+  if (events_.size() >= most_kept_) events_.erase(events_.begin() + static_cast<std::ptrdiff_t>(most_kept_ / 2));
+  events_.push_back(event);
+}
+
+RunLog RunRecorder::log() const {
+  RunLog log;
+  for (const auto& [source, series] : trajectories_) log.trajectories[source] = series.items();
+  for (const auto& [source, series] : estimates_) log.estimates[source] = series.items();
+  log.status = status_.items();
+  log.events.assign(events_.begin(), events_.end());
+  return log;
+}
 
 }  // namespace slamfuse::service

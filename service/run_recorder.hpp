@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <deque>
 #include <map>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "common/trajectory.hpp"
 #include "fusion/status.hpp"
 #include "service/pipeline_observer.hpp"
+#include "service/thinned_series.hpp"
 
 namespace slamfuse::service {
 
@@ -21,19 +24,34 @@ struct RunLog {
   std::vector<common::Event> events;
 };
 
-/// Keeps what the output files are made from.
+/// Keeps what the output files are made from; of each series at most `most_kept`, evenly thinned beyond, of events the
+/// first half and the newest.
 class RunRecorder : public PipelineObserver {
  public:
+  explicit RunRecorder(std::size_t most_kept = ThinnedSeries<int>::kAll);
+
   void on_odometry(const common::WheelOdometry& odometry) override;
   void on_estimate(const common::PoseEstimate& estimate) override;
   void on_corrected_pose(const fusion::CorrectedPose& pose) override;
-  void on_status(const fusion::StatusEntry& status) override { log_.status.push_back(status); }
-  void on_event(const common::Event& event) override { log_.events.push_back(event); }
+  void on_status(const fusion::StatusEntry& status) override { status_.push(status); }
+  void on_event(const common::Event& event) override;
 
-  const RunLog& log() const { return log_; }
+  RunLog log() const;
 
  private:
-  RunLog log_;
+  template <class T>
+  using BySource = std::map<common::PoseSource, ThinnedSeries<T>>;
+
+  template <class T>
+  ThinnedSeries<T>& series(BySource<T>& by_source, common::PoseSource source) {
+    return by_source.try_emplace(source, most_kept_).first->second;
+  }
+
+  const std::size_t most_kept_;
+  BySource<common::StampedPose2> trajectories_;
+  BySource<common::PoseEstimate> estimates_;
+  ThinnedSeries<fusion::StatusEntry> status_;
+  std::deque<common::Event> events_;
 };
 
 }  // namespace slamfuse::service

@@ -69,14 +69,14 @@ ReportSource source_of(const RunSummary& summary, PoseSource source) {
       report.errors.push_back({error.stamp, error.position, error.heading});
   }
   if (const auto found = summary.counters.find(source); found != summary.counters.end()) {
-    for (const auto& update : found->second.updates) report.updates.push_back({update.stamp, update.milliseconds});
+    for (const auto& update : found->second.updates.items()) report.updates.push_back({update.stamp, update.milliseconds});
   }
   return report;
 }
 
 ReportModule module_of(const RunSummary& summary, PoseSource source, const ModuleCounters& counters) {
   std::vector<double> milliseconds;
-  for (const auto& update : counters.updates) milliseconds.push_back(update.milliseconds);
+  for (const auto& update : counters.updates.items()) milliseconds.push_back(update.milliseconds);
   const UpdateTimes times = summarise_update_times(std::move(milliseconds));
   ReportModule module;
   module.name = source == PoseSource::kFused ? "fusion" : common::to_string(source);
@@ -88,7 +88,7 @@ ReportModule module_of(const RunSummary& summary, PoseSource source, const Modul
   module.update_median_ms = times.median;
   module.update_p95_ms = times.p95;
   module.update_p99_ms = times.p99;
-  module.update_max_ms = times.max;
+  module.update_max_ms = counters.slowest_ms;
   return module;
 }
 

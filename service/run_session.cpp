@@ -30,6 +30,8 @@ class TrajectoryFusion : public FusionStage {
   explicit TrajectoryFusion(fusion::Fusion& fusion) : fusion_(fusion) {}
   fusion::FusionOutput process(const common::WheelOdometry& odometry) override { return fusion_.process(odometry); }
   fusion::FusionOutput process(const common::PoseEstimate& estimate) override { return fusion_.process(estimate); }
+  fusion::FusionOutput align_now() override { return fusion_.align_now(); }
+  const std::optional<fusion::Alignment>& alignment() const override { return fusion_.alignment(); }
 
  private:
   fusion::Fusion& fusion_;
@@ -128,7 +130,7 @@ common::Result<RunSession> RunSession::create(const RunRequest& request, std::un
 common::Result<void> RunSession::make_parts() {
   if (auto made = make_laser(); !made) return made;
   if (auto made = make_visual(); !made) return made;
-  if (!laser() && !visual_) {
+  if (!laser() && !visual()) {
     return common::invalid_input(request_.recording.string() + ": neither a laser nor a camera, nothing to do");
   }
   if (auto restored = restore_map(); !restored) return restored;
@@ -140,7 +142,14 @@ common::Result<void> RunSession::make_parts() {
   return {};
 }
 
+std::unique_ptr<ExternalPoses> RunSession::external(const std::string& sensor) const {
+  if (!recording().sensors.contains(sensor)) return nullptr;
+  return std::make_unique<ExternalPoses>(sensor, request_.configuration.service.external_pose);
+}
+
 common::Result<void> RunSession::make_laser() {
+  external_laser_ = external(kLaserPose);
+  if (external_laser_) return {};
   const auto lasers = sensors_of_kind(recording(), common::SensorKind::kLaser);
   if (!takes_part(request_, "laser", !lasers.empty())) return {};
   if (lasers.empty())
@@ -175,6 +184,8 @@ common::Result<void> RunSession::check_cameras(const std::vector<std::string>& c
 }
 
 common::Result<void> RunSession::make_visual() {
+  external_visual_ = external(kVisualPose);
+  if (external_visual_) return {};
   const auto cameras = sensors_of_kind(recording(), common::SensorKind::kCamera);
   if (auto known = check_cameras(cameras); !known) return known;
   if (!takes_part(request_, "visual", !cameras.empty())) return {};
@@ -200,8 +211,12 @@ common::Result<void> RunSession::restore_map() {
   return laser_->restore(bundle->laser_state);
 }
 
-common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std::atomic<bool>& stop) {
-  RunRecorder recorder;
+common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std::atomic<bool>& stop,
+                                           PipelineRequests* requests) {
+  const ServiceOptions& service = request_.configuration.service;
+  const std::size_t most_kept =
+      request_.live ? static_cast<std::size_t>(service.live_history) : ThinnedSeries<int>::kAll;
+  RunRecorder recorder(most_kept);
   Span span;
   ObserverList observers;
   observers.add(recorder);
@@ -209,12 +224,16 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   if (observer != nullptr) observers.add(*observer);
 
   TrajectoryFusion fusion(*fusion_);
-  PipelineParts parts{recording_.get(), {}, &fusion, &observers};
-  if (laser()) parts.modules.push_back({laser(), [this] { return grid(); }, [this] { return laser_checkpoint(); }});
+  PipelineParts parts{recording_.get(), {}, &fusion, &observers, requests};
+  if (has_laser_map()) {
+    parts.modules.push_back({laser(), [this] { return grid(); }, [this] { return laser_checkpoint(); }});
+  }
+  if (external_laser_) parts.modules.push_back({external_laser_.get()});
   if (visual_) parts.modules.push_back({visual_.get(), nullptr, [this] { return visual_checkpoint(); }});
+  if (external_visual_) parts.modules.push_back({external_visual_.get()});
 
-  const ServiceOptions& service = request_.configuration.service;
   PipelineOptions options;
+  options.most_kept = most_kept;
   options.threads = request_.threads;
   options.queue_capacity = static_cast<std::size_t>(service.queue_capacity);
   options.command_delay = service.command_delay;
@@ -246,13 +265,26 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   return summary;
 }
 
+std::set<PoseSource> RunSession::map_makers() const {
+  std::set<PoseSource> makers;
+  if (has_laser_map()) makers.insert(PoseSource::kLaser);
+  if (visual_) makers.insert(PoseSource::kVisual);
+  return makers;
+}
+
 common::SlamModule* RunSession::laser() const {
+  if (external_laser_) return external_laser_.get();
   return localization_ ? static_cast<common::SlamModule*>(localization_.get()) : laser_.get();
+}
+
+common::SlamModule* RunSession::visual() const {
+  return external_visual_ ? static_cast<common::SlamModule*>(external_visual_.get()) : visual_.get();
 }
 
 common::OccupancyGrid RunSession::grid() const { return localization_ ? localization_->grid() : laser_->grid(); }
 
 std::set<std::string> RunSession::free_scale() const {
+  if (external_visual_) return {"visual", "visual_final"};
   if (!visual_ || request_.configuration.visual.motion.model == visual_slam::MotionModelKind::kOdometry) return {};
   if (laser()) return {"visual", "visual_final"};
   return {"visual", "visual_final", "fused", "fused_final"};
@@ -274,9 +306,9 @@ ModuleCheckpoint RunSession::visual_checkpoint() const {
 void RunSession::gather(RunSummary& summary) const {
   if (laser_) laser_->refine();
   const auto laser_final = laser() ? laser()->final_trajectory() : common::Trajectory2{};
-  const auto visual_final = visual_ ? visual_->final_trajectory() : common::Trajectory2{};
+  const auto visual_final = visual() ? visual()->final_trajectory() : common::Trajectory2{};
   const auto fused = fusion_->finish(laser_final, visual_final);
-  if (laser() && visual_) summary.alignment = fused.alignment;
+  if (laser() && visual()) summary.alignment = fused.alignment;
   summary.log.events.insert(summary.log.events.end(), fused.events.begin(), fused.events.end());
 
   for (const auto source : {PoseSource::kOdometry, PoseSource::kLaser, PoseSource::kVisual, PoseSource::kFused}) {
@@ -284,10 +316,10 @@ void RunSession::gather(RunSummary& summary) const {
     if (ran) summary.trajectories.push_back({common::to_string(source), summary.log.trajectories[source]});
   }
   if (laser()) summary.trajectories.push_back({"laser_final", laser_final});
-  if (visual_) summary.trajectories.push_back({"visual_final", visual_final});
+  if (visual()) summary.trajectories.push_back({"visual_final", visual_final});
   summary.trajectories.push_back({"fused_final", fused.fused_final});
 
-  if (laser()) {
+  if (has_laser_map()) {
     summary.grid = grid();
     summary.laser_state = laser_ ? laser_->serialize().value_or(std::string()) : localization_state_;
   }

@@ -14,7 +14,9 @@
 #include "fusion/fusion.hpp"
 #include "laser_slam/laser_localization.hpp"
 #include "laser_slam/laser_slam.hpp"
+#include "service/external_poses.hpp"
 #include "service/pipeline_observer.hpp"
+#include "service/pipeline_requests.hpp"
 #include "service/run_request.hpp"
 #include "service/run_summary.hpp"
 #include "visual_slam/visual_slam.hpp"
@@ -36,10 +38,14 @@ class RunSession {
   /// The alignment the fusion uses; to be asked from within the observer's calls.
   std::optional<fusion::Alignment> alignment() const { return fusion_->alignment(); }
 
+  /// The halves that make a map, and checkpoints of it.
+  std::set<common::PoseSource> map_makers() const;
+
   /// Runs the recording through and gathers the results. `observer` (may be missing) watches. Setting `stop` ends it
-  /// early with what there is so far, marked incomplete. Errors: no module made a pose (kFailed), and those of
-  /// run_pipeline() and judge().
-  common::Result<RunSummary> run(PipelineObserver* observer, const std::atomic<bool>& stop);
+  /// early with what there is so far, marked incomplete. `requests` (may be missing) come in while it runs. Errors: no
+  /// module made a pose (kFailed), and those of run_pipeline() and judge().
+  common::Result<RunSummary> run(PipelineObserver* observer, const std::atomic<bool>& stop,
+                                 PipelineRequests* requests = nullptr);
 
  private:
   explicit RunSession(const RunRequest& request) : request_(request) {}
@@ -51,6 +57,12 @@ class RunSession {
   common::Result<void> restore_map();
   /// The laser half, whichever it is; null without one.
   common::SlamModule* laser() const;
+  /// The visual half, whichever it is; null without one.
+  common::SlamModule* visual() const;
+  /// Whether a laser half of ours has a map.
+  bool has_laser_map() const { return laser_ || localization_; }
+  /// The poses of another system on this sensor, if the recording has them.
+  std::unique_ptr<ExternalPoses> external(const std::string& sensor) const;
   common::OccupancyGrid grid() const;
   ModuleCheckpoint laser_checkpoint() const;
   ModuleCheckpoint visual_checkpoint() const;
@@ -64,6 +76,8 @@ class RunSession {
   std::string localization_state_;  // of the map localised in, to be handed on as it is
   std::unique_ptr<visual_slam::VisualSlam> visual_;
   std::map<std::string, common::CameraCalibration> cameras_;  // of the visual half
+  std::unique_ptr<ExternalPoses> external_laser_;   // in the place of ours
+  std::unique_ptr<ExternalPoses> external_visual_;  // likewise
   std::unique_ptr<fusion::Fusion> fusion_;
 };
 

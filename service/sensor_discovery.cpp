@@ -7,13 +7,14 @@
 #include <fmt/format.h>
 
 #include "common/ros_conversions.hpp"
-#include "service/ros_to_sensor.hpp"
+#include "service/external_poses.hpp"
 
 namespace slamfuse::service {
 
 using common::SensorKind;
 
 std::optional<SensorKind> kind_of_sensor(const std::string& name) {
+  if (name == kLaserPose || name == kVisualPose) return SensorKind::kPose;
   if (name.starts_with("laser")) return SensorKind::kLaser;
   if (name.starts_with("cam")) return SensorKind::kCamera;
   if (name.starts_with("odom")) return SensorKind::kOdometry;
@@ -45,10 +46,26 @@ void SensorDiscovery::hear(const std::string& sensor, const idl::CameraInfo& inf
 
 void SensorDiscovery::hear(const std::string& sensor, const idl::Odometry& odometry) {
   Heard& heard = heard_[sensor];
+  if (kind_of_sensor(sensor) == SensorKind::kPose) return hear_pose(heard, pose_from_ros(odometry));
   const auto read = from_ros(odometry);
   if (!read) return void(heard.problem = read.error().message);
   use(heard, read->header);
   heard.frame = read->child_frame;
+  heard.message = true;
+}
+
+void SensorDiscovery::hear(const std::string& sensor, const idl::PoseWithCovarianceStamped& pose) {
+  hear_pose(heard_[sensor], from_ros(pose));
+}
+
+void SensorDiscovery::hear(const std::string& sensor, const idl::PoseStamped& pose) {
+  hear_pose(heard_[sensor], from_ros(pose));
+}
+
+void SensorDiscovery::hear_pose(Heard& heard, const common::Result<RosPose>& pose) {
+  if (!pose) return void(heard.problem = pose.error().message);
+  use(heard, pose->header);
+  heard.frame = pose->child_frame.empty() ? base_frame_ : pose->child_frame;
   heard.message = true;
 }
 

@@ -11,10 +11,11 @@
 #include "common/recording.hpp"
 #include "common/ros_messages.hpp"
 #include "idl/messages.hpp"
+#include "service/ros_to_sensor.hpp"
 
 namespace slamfuse::service {
 
-/// The kind of a sensor by its name (laser0, odom0, cam0); nothing for other names.
+/// The kind of a sensor by its name (laser0, odom0, cam0, laser_pose, visual_pose); nothing for other names.
 std::optional<common::SensorKind> kind_of_sensor(const std::string& name);
 
 /// Finds out from the first messages of a robot's topics which sensors there are, how they are built and where they are
@@ -29,6 +30,8 @@ class SensorDiscovery {
   void hear(const std::string& sensor, const idl::Odometry& odometry);
   void hear(const std::string& sensor, const idl::Image& image);
   void hear(const std::string& sensor, const idl::CompressedImage& image);
+  void hear(const std::string& sensor, const idl::PoseWithCovarianceStamped& pose);
+  void hear(const std::string& sensor, const idl::PoseStamped& pose);
   /// Learns where frames are; belongs to no sensor. Transforms that cannot be used tell nothing.
   void hear(const std::string& sensor, const idl::TFMessage& transforms);
 
@@ -41,7 +44,8 @@ class SensorDiscovery {
   /// Writes the usable sensors with their calibration into `info`, and a note for each mounting that tf does not tell:
   /// such a sensor is taken to be at base_frame, a camera looking forward.
   void describe(common::RecordingInfo& info) const;
-  /// From the frame whose pose this odometry tells to base_frame; the identity where tf does not tell.
+  /// From the frame whose pose this odometry, or external pose, tells to base_frame; the identity where tf does not
+  /// tell.
   common::Pose2 T_child_base(const std::string& odometry) const;
   /// The calibration a usable camera told.
   const common::RosCameraInfo& camera_info(const std::string& camera) const;
@@ -61,6 +65,7 @@ class SensorDiscovery {
   common::Pose3 mounting(const std::string& sensor, const std::string& target, const std::string& source,
                          const common::Pose3& otherwise, common::RecordingInfo& info) const;
   void use(Heard& heard, const common::RosHeader& header);
+  void hear_pose(Heard& heard, const common::Result<RosPose>& pose);
 
   std::string base_frame_;
   std::map<std::string, Heard> heard_;

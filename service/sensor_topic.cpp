@@ -22,6 +22,8 @@ std::string topic_of(const std::string& sensor, common::SensorKind kind) {
       return "odom" + number_of(sensor);
     case common::SensorKind::kCamera:
       return sensor + "/image_raw";
+    case common::SensorKind::kPose:
+      return sensor;
     case common::SensorKind::kImu:
       break;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "service/run_conclusion.hpp"
 #include "service/run_files.hpp"
 #include "service/run_session.hpp"
+#include "service/serve_control.hpp"
 
 namespace slamfuse::service {
 namespace {
@@ -65,7 +67,8 @@ bool wants(const RunRequest& run, const std::string& module) {
 /// From one set of modules to their results in the output folder.
 class Session {
  public:
-  Session(const RunRequest& request, const Tell& tell) : request_(request), tell_(tell) {}
+  Session(const idl::Participant& participant, ServeControl& control, const RunRequest& request, const Tell& tell)
+      : participant_(participant), control_(control), request_(request), tell_(tell) {}
 
   Result<std::string> run(LiveSource& source) {
     auto session = RunSession::create(request_, std::make_unique<BorrowedSource>(source));
@@ -74,9 +77,10 @@ class Session {
     if (!folder) return tl::unexpected(folder.error());
     DdsOptions dds = request_.configuration.service.dds;
     dds.reader_wait = 0.0;  // a service does not wait for its listeners
-    const auto publisher = DdsPublisher::create(dds, [&session] { return session->alignment(); });
+    const auto publisher = DdsPublisher::create(participant_, dds, [&session] { return session->alignment(); });
     if (!publisher) return tl::unexpected(publisher.error());
 
+    started_ = true;
     auto summary = run(*session, **publisher, (*folder)->path());
     if (!summary) return tl::unexpected(summary.error());
     tell_failures(**publisher, *summary);
@@ -89,28 +93,64 @@ class Session {
     return in_words(*summary, (*folder)->path());
   }
 
+  /// Whether its modules could be made.
+  bool started() const { return started_; }
   /// Whether its map can be gone on with.
   bool can_continue() const { return can_continue_; }
 
  private:
   Result<RunSummary> run(RunSession& session, DdsPublisher& publisher, const std::filesystem::path& folder) {
-    MapSaver saver(folder / "map", request_.seed, request_.recording.string(),
-                   [&session] { return session.alignment(); });
+    const ServiceOptions& service = request_.configuration.service;
+    const auto saver = std::make_shared<MapSaver>(folder / "map", request_.seed, request_.recording.string(),
+                                                  [&session] { return session.alignment(); },
+                                                  static_cast<std::size_t>(service.live_history));
+    const auto requests = std::make_shared<PipelineRequests>();
     EventTeller events(tell_);
     ObserverList observers;
     observers.add(publisher);
-    observers.add(saver);
+    observers.add(*saver);
     observers.add(events);
     static const std::atomic<bool> kToTheEnd{false};  // of the source: what has arrived is still worth processing
-    auto summary = session.run(&observers, kToTheEnd);
-    if (const auto failure = saver.failure()) tell_("the map could not be saved: " + failure->message);
+    control_.begin({requests, saver, session.map_makers(), {request_.mode, request_.map}});
+    auto summary = session.run(&observers, kToTheEnd, requests.get());
+    control_.end();
+    if (const auto failure = saver->failure()) tell_("the map could not be saved: " + failure->message);
     return summary;
   }
 
+  const idl::Participant& participant_;
+  ServeControl& control_;
   const RunRequest& request_;
   const Tell& tell_;
+  bool started_ = false;
   bool can_continue_ = false;
 };
+
+/// One session after the other, until one fails or `stop` is set.
+Result<std::string> run_sessions(const idl::Participant& participant, LiveSource& source, ServeControl& control,
+                                 RunRequest run, const Tell& tell, const std::atomic<bool>& stop) {
+  SessionSetup before{run.mode, run.map};
+  while (true) {
+    Session session(participant, control, run, tell);
+    auto outcome = session.run(source);
+    if (!outcome && !session.started() && control.wanted()) {
+      tell("going on as before: " + outcome.error().message);
+      control.refuse(outcome.error());
+      std::tie(run.mode, run.map) = std::tie(before.mode, before.map);
+      continue;
+    }
+    const auto restart = source.restart_wanted();
+    if (!outcome || !restart || stop) return outcome;
+    if (session.can_continue() && run.mode == RunMode::kSlam) run.map = run.out / "map";
+    before = {run.mode, run.map};
+    if (const auto wanted = control.wanted()) {
+      tell(*restart);
+      std::tie(run.mode, run.map) = std::tie(wanted->mode, wanted->map);
+    } else {
+      tell(*restart + "; starting anew" + (session.can_continue() ? " in the map made so far" : ""));
+    }
+  }
+}
 
 }  // namespace
 
@@ -124,11 +164,20 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
   LiveSourceOptions options = request.source;
   options.lasers = wants(request.run, "laser");
   options.cameras = wants(request.run, "visual");
-  auto source = LiveSource::create(options, stop);
+  const idl::Network network = request.run.configuration.service.dds.network;
+  const auto participant = idl::Participant::join(network);
+  if (!participant) return tl::unexpected(participant.error());
+  auto source = LiveSource::create(*participant, options, stop);
   if (!source) return tl::unexpected(source.error());
-  const auto diagnostics = DiagnosticsPublisher::start(**source, tell);
+  auto presence = idl::GraphPresence::create(*participant, "slamfuse",
+                                             request.run.configuration.service.dds.ros_graph);
+  if (!presence) return tl::unexpected(presence.error());
+  const auto diagnostics = DiagnosticsPublisher::start(*participant, *std::move(presence), **source, tell);
   if (!diagnostics) return tl::unexpected(diagnostics.error());
-  tell("listening");
+  ServeControl control(**source, request.run.out / "map");
+  const auto services = OperatorServices::start(*participant, control, tell);
+  if (!services) return tl::unexpected(services.error());
+  tell(network == idl::Network::kAll ? "listening" : "listening to this machine (service.dds.network: all opens up)");
   if (auto prepared = (*source)->prepare(tell); !prepared) return tl::unexpected(prepared.error());
   for (const auto& note : (*source)->info().notes) tell(note);
   tell("starting with " + sensors_in_words((*source)->info()));
@@ -136,14 +185,9 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
   RunRequest run = request.run;
   run.recording = (*source)->info().path;
   run.live = true;
-  while (true) {
-    Session session(run, tell);
-    auto outcome = session.run(**source);
-    const auto restart = (*source)->restart_wanted();
-    if (!outcome || !restart || stop) return outcome;
-    tell(*restart + "; starting anew" + (session.can_continue() ? " in the map made so far" : ""));
-    if (session.can_continue() && run.mode == RunMode::kSlam) run.map = run.out / "map";
-  }
+  auto outcome = run_sessions(*participant, **source, control, run, tell, stop);
+  control.close();
+  return outcome;
 }
 
 }  // namespace slamfuse::service

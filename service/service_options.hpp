@@ -3,6 +3,7 @@
 
 #include "common/options.hpp"
 #include "service/dds_options.hpp"
+#include "service/external_poses.hpp"
 
 namespace slamfuse::service {
 
@@ -13,6 +14,8 @@ struct ServiceOptions {
   double map_interval = 2.0;
   int live_backlog = 16;
   double save_interval = 20.0;
+  int live_history = 20000;
+  ExternalPoseOptions external_pose;
   DdsOptions dds;
 
   void describe(common::OptionVisitor& visit) {
@@ -27,6 +30,10 @@ struct ServiceOptions {
                   "`serve`: so many may wait for their module; more are dropped and counted.");
     visit.real("save_interval", save_interval, {1.0, 3600.0}, "s",
                "`serve`: time between two saves of the map; what came since the last is lost when it is killed.");
+    visit.integer("live_history", live_history, {100, 10000000}, "items",
+                  "`serve`: poses of each path, update times and rows of status.csv that are kept for the results; what "
+                  "is more is thinned evenly. Bounds the memory.");
+    visit.nested("external_pose", external_pose, "Poses of another SLAM system that come without a covariance.");
     visit.nested("dds", dds, "Publication as ROS 2 topics.");
   }
 };

@@ -17,17 +17,23 @@ class DomainFromEnvironment : public testing::Test {
   ScopedEnvironment range_{"ROS_AUTOMATIC_DISCOVERY_RANGE", nullptr};
 };
 
-TEST_F(DomainFromEnvironment, IsDomainZeroOnAllInterfacesWhenNothingIsSet) {
-  const auto settings = domain_from_environment();
+TEST_F(DomainFromEnvironment, IsDomainZeroWhenNothingIsSet) {
+  const auto settings = domain_from_environment(Network::kAll);
   ASSERT_TRUE(settings);
   EXPECT_EQ(settings->id, 0u);
   EXPECT_FALSE(settings->loopback_only);
 }
 
+TEST_F(DomainFromEnvironment, CannotWidenTheNetwork) {
+  const ScopedEnvironment localhost("ROS_LOCALHOST_ONLY", "0");
+  const ScopedEnvironment range("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET");
+  EXPECT_TRUE(domain_from_environment(Network::kLoopback)->loopback_only);
+}
+
 TEST_F(DomainFromEnvironment, HonoursWhatRosNodesHonour) {
   const ScopedEnvironment id("ROS_DOMAIN_ID", "42");
   const ScopedEnvironment localhost("ROS_LOCALHOST_ONLY", "1");
-  const auto settings = domain_from_environment();
+  const auto settings = domain_from_environment(Network::kAll);
   ASSERT_TRUE(settings);
   EXPECT_EQ(settings->id, 42u);
   EXPECT_TRUE(settings->loopback_only);
@@ -35,13 +41,13 @@ TEST_F(DomainFromEnvironment, HonoursWhatRosNodesHonour) {
 
 TEST_F(DomainFromEnvironment, StaysOnThisMachineWhenTheDiscoveryRangeIsLocalhost) {
   const ScopedEnvironment range("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
-  EXPECT_TRUE(domain_from_environment()->loopback_only);
+  EXPECT_TRUE(domain_from_environment(Network::kAll)->loopback_only);
 }
 
 TEST_F(DomainFromEnvironment, RefusesAnIdThatIsNoDomain) {
   for (const char* text : {"-1", "233", "abc", "1x", " 1", "1.0", "99999999999999999999"}) {
     const ScopedEnvironment id("ROS_DOMAIN_ID", text);
-    const auto settings = domain_from_environment();
+    const auto settings = domain_from_environment(Network::kAll);
     ASSERT_FALSE(settings) << text;
     EXPECT_EQ(settings.error().kind, common::ErrorKind::kInvalidInput);
     EXPECT_THAT(settings.error().message, testing::HasSubstr(text));

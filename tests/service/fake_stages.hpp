@@ -67,6 +67,9 @@ class FakeFusion : public FusionStage {
   explicit FakeFusion(int command_every = 0) : command_every_(command_every) {}
   fusion::FusionOutput process(const common::WheelOdometry&) override { return answer(std::nullopt); }
   fusion::FusionOutput process(const common::PoseEstimate& estimate) override { return answer(estimate); }
+  fusion::FusionOutput align_now() override { return {}; }
+  const std::optional<fusion::Alignment>& alignment() const override { return alignment_; }
+  void align(const fusion::Alignment& alignment) { alignment_ = alignment; }
 
  private:
   fusion::FusionOutput answer(const std::optional<common::PoseEstimate>& estimate) {
@@ -83,6 +86,7 @@ class FakeFusion : public FusionStage {
   }
   int command_every_;
   int inputs_ = 0;
+  std::optional<fusion::Alignment> alignment_;
 };
 
 /// Everything the pipeline told, as text in order.

@@ -43,6 +43,24 @@ TEST(MapSaver, TheNewestCheckpointIsOnDisk) {
   EXPECT_FALSE(saver.failure());
 }
 
+TEST(MapSaver, SavesNowWhenAsked) {
+  const TemporaryFolder folder;
+  MapSaver saver(folder.path() / "map", 7, "DDS", [] { return std::nullopt; });
+  saver.on_checkpoint(PoseSource::kLaser, laser_checkpoint("first"));
+  const auto ask = [&] { saver.on_checkpoint(PoseSource::kLaser, laser_checkpoint("second")); };
+  EXPECT_TRUE(saver.save_new({PoseSource::kLaser}, ask, 5s));
+  EXPECT_EQ(read_map_bundle(folder.path() / "map")->laser_state, "second");
+}
+
+TEST(MapSaver, TellsWhoHadNothingNewToSave) {
+  const TemporaryFolder folder;
+  MapSaver saver(folder.path() / "map", 7, "DDS", [] { return std::nullopt; });
+  const auto ask = [&] { saver.on_checkpoint(PoseSource::kLaser, laser_checkpoint("state")); };
+  const auto saved = saver.save_new({PoseSource::kLaser, PoseSource::kVisual}, ask, 100ms);
+  ASSERT_FALSE(saved);
+  EXPECT_NE(saved.error().message.find("the visual half made no pose"), std::string::npos);
+}
+
 TEST(MapSaver, TellsWhyItCannotSave) {
   const TemporaryFolder folder;
   MapSaver saver("/proc/no/such/map", 1, "DDS", [] { return std::nullopt; });
@@ -50,6 +68,8 @@ TEST(MapSaver, TellsWhyItCannotSave) {
   for (int i = 0; i < 1000 && !saver.failure(); ++i) std::this_thread::sleep_for(10ms);
   ASSERT_TRUE(saver.failure());
   EXPECT_EQ(saver.saved(), 0u);
+  const auto ask = [&] { saver.on_checkpoint(PoseSource::kLaser, laser_checkpoint("state")); };
+  EXPECT_FALSE(saver.save_new({PoseSource::kLaser}, ask, 5s));
 }
 
 }  // namespace

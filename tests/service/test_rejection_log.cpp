@@ -37,5 +37,17 @@ TEST(RejectionLog, KeepsSensorsAndReasonsApart) {
   EXPECT_TRUE(log.summary().empty());
 }
 
+TEST(RejectionLog, IsBoundedWhateverReasonsAreMadeUp) {
+  RejectionLog log;
+  std::size_t told = 0;
+  for (std::size_t i = 0; i < 100 * RejectionLog::kMostKinds; ++i) {
+    std::string reason = "encoding '";
+    for (std::size_t rest = i; rest > 0; rest /= 26) reason += static_cast<char>('a' + rest % 26);
+    told += log.add({5, "cam0", reason + "' is none"}).has_value() ? 1 : 0;
+  }
+  EXPECT_LE(told, RejectionLog::kMostKinds + 1);
+  EXPECT_EQ(log.summary().size(), 1u);
+}
+
 }  // namespace
 }  // namespace slamfuse::service

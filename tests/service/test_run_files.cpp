@@ -50,7 +50,8 @@ RunSummary laser_only_summary() {
   summary.duration_s = 10.0;
   summary.wall_s = 4.0;
   summary.counters[PoseSource::kLaser].inputs = 5;
-  summary.counters[PoseSource::kLaser].updates = {{1, 2.0}, {2, 4.0}};
+  summary.counters[PoseSource::kLaser].updated({1, 2.0});
+  summary.counters[PoseSource::kLaser].updated({2, 4.0});
   summary.counters[PoseSource::kFused].inputs = 9;
   summary.coverage[PoseSource::kLaser] = 0.5;
   summary.log.events.push_back({4, "laser", "lost", "why"});

@@ -72,7 +72,7 @@ bool drain(Reader<T>& reader, const Use& use) {
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const std::filesystem::path folder = argv[1];
-  const auto settings = domain_from_environment();
+  const auto settings = domain_from_environment(Network::kLoopback);
   if (!settings) return 3;
   const auto participant = Participant::create(*settings);
   if (!participant) return 3;

@@ -21,12 +21,12 @@
 #include "common/trajectory_evaluation.hpp"
 #include "common/tum.hpp"
 #include "idl/participant.hpp"
-#include "idl/private_domain.hpp"
 #include "idl/reader.hpp"
 #include "idl/writer.hpp"
 #include "service/map_bundle.hpp"
 #include "service/ros_conversion.hpp"
 #include "system/child_process.hpp"
+#include "system/network.hpp"
 
 namespace slamfuse {
 namespace {
@@ -35,6 +35,7 @@ using namespace std::chrono_literals;
 using system::appears;
 using system::becomes_true;
 using system::exit_status_of;
+using system::Network;
 using system::start;
 using Clock = std::chrono::steady_clock;
 
@@ -58,18 +59,6 @@ std::jthread listen(const idl::Participant& participant, const std::string& topi
     }
   });
 }
-
-// The processes of these tests find each other and nobody else.
-class Network {
- public:
-  Network() : id_("ROS_DOMAIN_ID", "77"), localhost_("ROS_LOCALHOST_ONLY", "1") {}
-  idl::Participant join() const { return *idl::Participant::create(domain_.settings()); }
-
- private:
-  idl::PrivateDomain domain_;
-  idl::ScopedEnvironment id_;
-  idl::ScopedEnvironment localhost_;
-};
 
 std::vector<std::string> serve(const std::filesystem::path& out, const std::vector<std::string>& more = {}) {
   std::vector<std::string> words{SLAMFUSE_PROGRAM, "serve",     "-o",         out,     "--readout",
