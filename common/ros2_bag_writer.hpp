@@ -20,9 +20,9 @@ struct BagTopic {
   std::string qos_profiles;  ///< YAML of what its publishers offer, as rosbag2 keeps it; may be empty
 };
 
-/// Writes a ROS 2 bag: a folder with rosbag2's metadata.yaml (version 5) and one SQLite database in rosbag2's layout, as
-/// `ros2 bag play` and open_ros2_bag() read it. Messages are committed every second, so a writer that is killed leaves
-/// a database that can be read, without metadata.yaml.
+/// Writes a ROS 2 bag: a folder with rosbag2's metadata.yaml (version 5) and one SQLite database in rosbag2's layout,
+/// as `ros2 bag play` and open_ros2_bag() read it. Messages are committed every second, so a writer that is killed
+/// leaves a database that can be read, without metadata.yaml.
 class Ros2BagWriter {
  public:
   /// Makes the folder. Errors: it exists (kUsage), it cannot be made or written to (kInvalidInput).

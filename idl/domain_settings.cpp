@@ -27,6 +27,15 @@ common::Result<DomainSettings> domain_from_environment(Network network) {
   }
   settings.loopback_only = network == Network::kLoopback || environment("ROS_LOCALHOST_ONLY") == "1" ||
                            environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST";
+  if (environment("ROS_SECURITY_ENABLE") == "true") {
+    const std::string keystore = environment("ROS_SECURITY_KEYSTORE");
+    if (keystore.empty())
+      return common::invalid_input("ROS_SECURITY_ENABLE is true, but ROS_SECURITY_KEYSTORE is not set");
+    const std::string name = environment("ROS_SECURITY_ENCLAVE_OVERRIDE");
+    auto enclave = find_enclave(keystore, name.empty() ? "/slamfuse" : name);
+    if (!enclave) return tl::unexpected(enclave.error());
+    settings.enclave = *std::move(enclave);
+  }
   return settings;
 }
 

@@ -16,9 +16,6 @@
 namespace slamfuse::idl {
 namespace {
 
-// ROS 2 reads the security enclave from here; without it its tools do not list the participant.
-constexpr std::string_view kUserData = "enclave=/;";
-
 // Linux does not mark `lo` as able to multicast, though it is; discovery needs it.
 constexpr std::string_view kLoopbackConfig =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces></General>"
@@ -41,7 +38,8 @@ common::Result<Domain> configured_domain(std::uint32_t id) {
   const std::lock_guard lock(mutex);
   if (Domain domain = domains[id].lock()) return domain;
   const std::string config = loopback_config();
-  return own(dds_create_domain(id, config.c_str()), "configure domain " + std::to_string(id) + " for loopback only (no other interface may be named)")
+  return own(dds_create_domain(id, config.c_str()),
+             "configure domain " + std::to_string(id) + " for loopback only (no other interface may be named)")
       .map([&](Entity&& entity) {
         const Domain domain = std::make_shared<const Entity>(std::move(entity));
         domains[id] = domain;
@@ -64,8 +62,11 @@ common::Result<Participant> Participant::create(const DomainSettings& settings) 
     if (!configured) return tl::unexpected(configured.error());
     domain = *std::move(configured);
   }
+  // ROS 2 reads the security enclave from here; without it its tools do not list the participant.
   const UniqueQos qos(dds_create_qos());
-  dds_qset_userdata(qos.get(), kUserData.data(), kUserData.size());
+  const std::string user_data = "enclave=" + (settings.enclave ? settings.enclave->name : "/") + ";";
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  if (settings.enclave) secure(*qos, *settings.enclave);
   return own(dds_create_participant(settings.id, qos.get(), nullptr), "join domain " + std::to_string(settings.id))
       .map([&](Entity&& entity) {
         return Participant(std::make_shared<const State>(State{std::move(domain), std::move(entity)}));

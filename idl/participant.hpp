@@ -9,8 +9,8 @@
 
 namespace slamfuse::idl {
 
-/// Membership in a DDS domain, recognisable to ROS 2 (USER_DATA "enclave=/;"). A handle: copies share the membership,
-/// which ends with the last copy, reader or writer.
+/// Membership in a DDS domain, recognisable to ROS 2 (USER_DATA "enclave=/;", or the enclave's name). A handle: copies
+/// share the membership, which ends with the last copy, reader or writer.
 class Participant {
  public:
   /// Joins. With `loopback_only` the interface `lo` is forced on top of what CYCLONEDDS_URI sets; participants of one

@@ -35,8 +35,8 @@ common::Result<RawReader> RawReader::create_on(const Participant& participant, c
   if (!waitset) return tl::unexpected(waitset.error());
   const dds_return_t code = dds_waitset_attach(waitset->handle(), condition->handle(), 0);
   if (code != DDS_RETCODE_OK) return dds_failed("wait for messages on " + topic, code);
-  return RawReader(participant, std::move(made->entity), *std::move(reader), *std::move(condition),
-                   *std::move(waitset), std::move(made->name));
+  return RawReader(participant, std::move(made->entity), *std::move(reader), *std::move(condition), *std::move(waitset),
+                   std::move(made->name));
 }
 
 RawReader::RawReader(Participant participant, Entity topic, Entity reader, Entity condition, Entity waitset,

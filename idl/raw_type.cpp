@@ -77,7 +77,8 @@ void to_bytes(const ddsi_serdata* message, std::size_t offset, std::size_t size,
   std::memcpy(buffer, raw(message).padded.data() + offset, size);
 }
 
-ddsi_serdata* to_reference(const ddsi_serdata* message, std::size_t offset, std::size_t size, ddsrt_iovec_t* reference) {
+ddsi_serdata* to_reference(const ddsi_serdata* message, std::size_t offset, std::size_t size,
+                           ddsrt_iovec_t* reference) {
   reference->iov_base = const_cast<std::uint8_t*>(raw(message).padded.data() + offset);
   reference->iov_len = size;
   return ddsi_serdata_ref(message);

@@ -25,9 +25,9 @@ std::string guid_of(Entity::Handle entity) {
 std::vector<std::string> endpoints_of(const std::string& participant, const Entity& builtin) {
   std::array<void*, kMostEndpoints> samples{};
   std::array<dds_sample_info_t, kMostEndpoints> infos{};
-  const dds_return_t count = dds_read_mask(builtin.handle(), samples.data(), infos.data(), kMostEndpoints,
-                                           kMostEndpoints,
-                                           DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
+  const dds_return_t count =
+      dds_read_mask(builtin.handle(), samples.data(), infos.data(), kMostEndpoints, kMostEndpoints,
+                    DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
   std::vector<std::string> ids;
   for (dds_return_t i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -71,8 +71,9 @@ common::Result<GraphPresence> GraphPresence::create(const Participant& participa
   auto publications = own(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                           "list the publishers");
   if (!publications) return tl::unexpected(publications.error());
-  auto subscriptions = own(
-      dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr), "list the readers");
+  auto subscriptions =
+      own(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+          "list the readers");
   if (!subscriptions) return tl::unexpected(subscriptions.error());
   auto writer = RawWriter::create_on(participant, "ros_discovery_info",
                                      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", QosProfile::kLatchedOutput);

@@ -13,12 +13,12 @@
 
 namespace slamfuse::idl {
 
-/// Which ROS 2 distributions see this participant as a node: an endpoint's id has 24 bytes in their graph up to Humble, 16
-/// from Iron on, under one type name.
+/// Which ROS 2 distributions see this participant as a node: an endpoint's id has 24 bytes in their graph up to Humble,
+/// 16 from Iron on, under one type name.
 enum class RosGraph { kNone, kUpToHumble, kFromIron };
 
-/// Makes a participant a node that `ros2 node list` and `ros2 node info` show: tells on `ros_discovery_info` which readers and
-/// writers belong to it. Without it topics work all the same and have no node.
+/// Makes a participant a node that `ros2 node list` and `ros2 node info` show: tells on `ros_discovery_info` which
+/// readers and writers belong to it. Without it topics work all the same and have no node.
 class GraphPresence {
  public:
   /// `node` as ROS names it, e.g. "slamfuse". Error (kFailed): DDS makes no endpoint.
@@ -41,8 +41,8 @@ class GraphPresence {
   std::vector<std::uint8_t> told_;
 };
 
-/// The message rmw_dds_common/msg/ParticipantEntitiesInfo with one node in namespace "/", as on the wire; ids of 16 bytes
-/// each.
+/// The message rmw_dds_common/msg/ParticipantEntitiesInfo with one node in namespace "/", as on the wire; ids of 16
+/// bytes each.
 std::vector<std::uint8_t> participant_entities_info(const std::string& participant, const std::string& node,
                                                     const std::vector<std::string>& readers,
                                                     const std::vector<std::string>& writers, RosGraph graph);

@@ -6,7 +6,6 @@
 
 #include <dds/dds.h>
 
-
 namespace slamfuse::idl {
 namespace {
 
@@ -31,8 +30,8 @@ common::Result<UntypedReader> UntypedReader::create(const Participant& participa
   auto topic_entity = own(dds_create_topic(participant.handle(), &type, name.c_str(), nullptr, nullptr),
                           "create topic " + name + " of type " + type.m_typename);
   if (!topic_entity) return tl::unexpected(topic_entity.error());
-  auto reader = own(dds_create_reader(participant.handle(), topic_entity->handle(), &qos, nullptr),
-                    "create a reader of " + name);
+  auto reader =
+      own(dds_create_reader(participant.handle(), topic_entity->handle(), &qos, nullptr), "create a reader of " + name);
   if (!reader) return tl::unexpected(reader.error());
   auto condition = own(dds_create_readcondition(reader->handle(), DDS_ANY_STATE), "watch for messages on " + name);
   if (!condition) return tl::unexpected(condition.error());

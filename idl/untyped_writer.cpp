@@ -5,7 +5,6 @@
 
 #include <dds/dds.h>
 
-
 namespace slamfuse::idl {
 
 common::Result<UntypedWriter> UntypedWriter::create(const Participant& participant, const dds_topic_descriptor& type,
@@ -13,8 +12,8 @@ common::Result<UntypedWriter> UntypedWriter::create(const Participant& participa
   auto topic_entity = own(dds_create_topic(participant.handle(), &type, name.c_str(), nullptr, nullptr),
                           "create topic " + name + " of type " + type.m_typename);
   if (!topic_entity) return tl::unexpected(topic_entity.error());
-  auto writer = own(dds_create_writer(participant.handle(), topic_entity->handle(), &qos, nullptr),
-                    "create a writer of " + name);
+  auto writer =
+      own(dds_create_writer(participant.handle(), topic_entity->handle(), &qos, nullptr), "create a writer of " + name);
   if (!writer) return tl::unexpected(writer.error());
   return UntypedWriter(participant, *std::move(topic_entity), *std::move(writer), name);
 }

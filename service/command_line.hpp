@@ -22,8 +22,7 @@ struct PrintRequest {
 };
 
 /// What the user asked for.
-using CommandRequest =
-    std::variant<PrintRequest, RunRequest, ServeRequest, PlayRequest, RecordRequest, CallRequest,
+using CommandRequest = std::variant<PrintRequest, RunRequest, ServeRequest, PlayRequest, RecordRequest, CallRequest,
                                     AlignRequest, EvaluateRequest, InfoRequest>;
 
 /// Reads the command line, and the configuration file it names. Errors: kUsage for the command line itself,

@@ -22,9 +22,10 @@ struct DdsOptions {
     visit.choice("network", network, {{"loopback", idl::Network::kLoopback}, {"all", idl::Network::kAll}},
                  "Who may be met: programs of this machine that use loopback too (ROS_LOCALHOST_ONLY=1), or everybody "
                  "on the network. ROS_LOCALHOST_ONLY=1 narrows `all` to `loopback`.");
-    visit.choice("ros_graph", ros_graph,
-                 {{"iron", idl::RosGraph::kFromIron}, {"humble", idl::RosGraph::kUpToHumble}, {"none", idl::RosGraph::kNone}},
-                 "Shown as a node in ROS 2's graph: of Iron and later, of Humble and earlier (they differ), or not.");
+    visit.choice(
+        "ros_graph", ros_graph,
+        {{"iron", idl::RosGraph::kFromIron}, {"humble", idl::RosGraph::kUpToHumble}, {"none", idl::RosGraph::kNone}},
+        "Shown as a node in ROS 2's graph: of Iron and later, of Humble and earlier (they differ), or not.");
     visit.real("reader_wait", reader_wait, {0.0, 60.0}, "s",
                "At most so long the run waits for somebody to listen before it starts.");
     visit.real("linger", linger, {0.0, 60.0}, "s",

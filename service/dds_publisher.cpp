@@ -100,7 +100,7 @@ common::Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const idl::Pa
                                                idl::QosProfile::kOutput);
     if (!path) return tl::unexpected(path.error());
     state->paths.emplace(source, State::LivePath{*std::move(path), RateLimit(options.path_period), 0,
-                                                  ThinnedSeries<common::StampedPose2>(kept)});
+                                                 ThinnedSeries<common::StampedPose2>(kept)});
   }
 
   const Deadline deadline(options.reader_wait);

@@ -34,21 +34,21 @@ common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::star
   if (!made) return tl::unexpected(made.error());
 
   std::unique_ptr<DiagnosticsPublisher> publisher(new DiagnosticsPublisher);
-  publisher->thread_ = std::jthread([&source, tell, writer = *std::move(made),
-                                     presence = std::move(presence)](const std::stop_token& done) mutable {
-    InputDiagnostics diagnostics;
-    std::map<std::string, DiagnosisLevel> told;
-    while (sleep(done)) {
-      static_cast<void>(presence.update());  // topics work without
-      const auto diagnoses = diagnostics.look(source.inputs(), std::chrono::steady_clock::now());
-      // A failure to send is no news: a reader that does not keep up misses a second.
-      static_cast<void>(writer.write(to_ros_diagnostics(clock_now(), diagnoses)));
-      for (const Diagnosis& diagnosis : diagnoses) {
-        const auto before = std::exchange(told[diagnosis.topic], diagnosis.level);
-        if (diagnosis.level != before) tell(diagnosis.topic + ": " + diagnosis.message);
-      }
-    }
-  });
+  publisher->thread_ = std::jthread(
+      [&source, tell, writer = *std::move(made), presence = std::move(presence)](const std::stop_token& done) mutable {
+        InputDiagnostics diagnostics;
+        std::map<std::string, DiagnosisLevel> told;
+        while (sleep(done)) {
+          static_cast<void>(presence.update());  // topics work without
+          const auto diagnoses = diagnostics.look(source.inputs(), std::chrono::steady_clock::now());
+          // A failure to send is no news: a reader that does not keep up misses a second.
+          static_cast<void>(writer.write(to_ros_diagnostics(clock_now(), diagnoses)));
+          for (const Diagnosis& diagnosis : diagnoses) {
+            const auto before = std::exchange(told[diagnosis.topic], diagnosis.level);
+            if (diagnosis.level != before) tell(diagnosis.topic + ": " + diagnosis.message);
+          }
+        }
+      });
   return publisher;
 }
 

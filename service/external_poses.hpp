@@ -32,7 +32,8 @@ struct ExternalPoseOptions {
 class ExternalPoses : public common::SlamModule {
  public:
   /// `sensor` is kLaserPose or kVisualPose.
-  ExternalPoses(std::string sensor, const ExternalPoseOptions& options) : sensor_(std::move(sensor)), options_(options), path_(static_cast<std::size_t>(options.poses)) {}
+  ExternalPoses(std::string sensor, const ExternalPoseOptions& options)
+      : sensor_(std::move(sensor)), options_(options), path_(static_cast<std::size_t>(options.poses)) {}
 
   common::PoseSource source() const override;
   bool wants(const common::SensorMessage& message) const override;

@@ -33,8 +33,8 @@ std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const
             fmt::format("QoS mismatch: the publisher's {} is not enough for this reader", input.incompatible_qos)};
   }
   if (!input.other_type.empty()) {
-    return {DiagnosisLevel::kError, fmt::format("type mismatch: {} is published, expected is {}", input.other_type,
-                                                input.type)};
+    return {DiagnosisLevel::kError,
+            fmt::format("type mismatch: {} is published, expected is {}", input.other_type, input.type)};
   }
   if (input.writers == 0 && is_steady(input)) {
     if (!age) return {DiagnosisLevel::kError, "nobody publishes it"};

@@ -187,10 +187,11 @@ class LiveSource::Impl {
     constexpr auto kSensor = idl::QosProfile::kSensorInput;
     const auto kind = kind_of_sensor(sensor);
     if (!kind) {
-      return common::usage_error(fmt::format(
-          "--topic {}: allowed are laser0, odom0, cam0, cam1, ..., laser_pose and visual_pose (tf and tf_static are always "
-          "heard)",
-          sensor));
+      return common::usage_error(
+          fmt::format("--topic {}: allowed are laser0, odom0, cam0, cam1, ..., laser_pose and visual_pose (tf and "
+                      "tf_static are always "
+                      "heard)",
+                      sensor));
     }
     if (*kind == SensorKind::kLaser) return listen_for<idl::LaserScan>(sensor, topic, kSensor, required);
     if (*kind == SensorKind::kPose) {
@@ -356,7 +357,8 @@ class LiveSource::Impl {
       if (found != info.calibration.cameras.end()) found->second.readout = readout;
     }
     for (const auto& [sensor, about] : info.sensors) {
-      if (about.kind == SensorKind::kOdometry || about.kind == SensorKind::kPose) T_child_base_[sensor] = discovery_.T_child_base(sensor);
+      if (about.kind == SensorKind::kOdometry || about.kind == SensorKind::kPose)
+        T_child_base_[sensor] = discovery_.T_child_base(sensor);
     }
     // What is rejected before the first good message still happened about then, not in 1970.
     last_stamp_ = discovery_.newest_stamp();

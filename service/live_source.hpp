@@ -19,9 +19,9 @@ namespace slamfuse::service {
 
 /// What a live source listens to.
 struct LiveSourceOptions {
-  /// Topics by sensor name, `laser_pose` and `visual_pose` being the poses of other SLAM systems in the place of a half;
-  /// empty: `scan`, `odom` and `cam0/image_raw` to `cam3/image_raw`, raw or compressed, of which
-  /// those take part that are heard. Topics given here must all be heard before it starts.
+  /// Topics by sensor name, `laser_pose` and `visual_pose` being the poses of other SLAM systems in the place of a
+  /// half; empty: `scan`, `odom` and `cam0/image_raw` to `cam3/image_raw`, raw or compressed, of which those take part
+  /// that are heard. Topics given here must all be heard before it starts.
   std::map<std::string, std::string> topics;
   bool lasers = true;   ///< false: default topics without `scan`
   bool cameras = true;  ///< false: default topics without cameras

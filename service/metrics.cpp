@@ -24,12 +24,13 @@ Json module_metrics(const ModuleCounters& counters, double coverage) {
   std::vector<double> milliseconds;
   for (const auto& update : counters.updates.items()) milliseconds.push_back(update.milliseconds);
   const UpdateTimes times = summarise_update_times(std::move(milliseconds));
-  return {{"inputs", counters.inputs},
-          {"poses", counters.poses},
-          {"dropped", counters.dropped},
-          {"rejected", counters.rejected},
-          {"coverage", number(coverage)},
-          {"update_ms", {{"median", times.median}, {"p95", times.p95}, {"p99", times.p99}, {"max", counters.slowest_ms}}}};
+  return {
+      {"inputs", counters.inputs},
+      {"poses", counters.poses},
+      {"dropped", counters.dropped},
+      {"rejected", counters.rejected},
+      {"coverage", number(coverage)},
+      {"update_ms", {{"median", times.median}, {"p95", times.p95}, {"p99", times.p99}, {"max", counters.slowest_ms}}}};
 }
 
 Json events_metrics(const std::vector<common::Event>& events) {

@@ -95,18 +95,13 @@ common::Result<std::unique_ptr<OperatorServices>> OperatorServices::start(
     return actions.load_map(idl::text_of(request.path));
   });
   if (!load_map) return tl::unexpected(load_map.error());
-  auto initial_pose = idl::Reader<idl::PoseWithCovarianceStamped>::create(participant, "initialpose",
-                                                                          idl::QosProfile::kCommandInput);
+  auto initial_pose =
+      idl::Reader<idl::PoseWithCovarianceStamped>::create(participant, "initialpose", idl::QosProfile::kCommandInput);
   if (!initial_pose) return tl::unexpected(initial_pose.error());
   auto waitset = idl::WaitSet::create(participant);
   if (!waitset) return tl::unexpected(waitset.error());
-  auto desk = std::make_unique<Desk>(Desk{{},
-                                          *std::move(set_mode),
-                                          *std::move(load_map),
-                                          *std::move(initial_pose),
-                                          *std::move(waitset),
-                                          actions,
-                                          tell});
+  auto desk = std::make_unique<Desk>(Desk{
+      {}, *std::move(set_mode), *std::move(load_map), *std::move(initial_pose), *std::move(waitset), actions, tell});
   const std::pair<const char*, Answer (OperatorActions::*)()> triggers[] = {
       {"slamfuse/save_map", &OperatorActions::save_map},
       {"slamfuse/align_now", &OperatorActions::align_now},

@@ -150,8 +150,8 @@ class Recorder {
     for (const auto& [topic, receiver] : receivers_) lost += receiver->lost();
     for (const auto& [topic, receiver] : receivers_) {
       if (!receiver->refused_a_writer()) continue;
-      text += fmt::format("  {}: a publisher came later that offers a weaker QoS, its messages are missing\n",
-                          topic.first);
+      text +=
+          fmt::format("  {}: a publisher came later that offers a weaker QoS, its messages are missing\n", topic.first);
     }
     if (lost > 0) text += fmt::format("  {} messages were lost on the way\n", lost);
     if (const std::size_t dropped = backlog_.dropped(); dropped > 0) {
@@ -217,9 +217,10 @@ Result<std::string> run_record(const RecordRequest& request, const std::function
   if (!bag) return tl::unexpected(bag.error());
   on_started();
   Recorder recorder(request, *std::move(participant), *std::move(publications), **bag, tell);
-  const auto end = request.duration ? std::optional(Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                                                       std::chrono::duration<double>(*request.duration)))
-                                    : std::nullopt;
+  const auto end = request.duration
+                       ? std::optional(Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                                          std::chrono::duration<double>(*request.duration)))
+                       : std::nullopt;
   auto look = Clock::now();
   while (!stop && (!end || Clock::now() < *end)) {
     if (Clock::now() >= look) {

@@ -69,7 +69,8 @@ ReportSource source_of(const RunSummary& summary, PoseSource source) {
       report.errors.push_back({error.stamp, error.position, error.heading});
   }
   if (const auto found = summary.counters.find(source); found != summary.counters.end()) {
-    for (const auto& update : found->second.updates.items()) report.updates.push_back({update.stamp, update.milliseconds});
+    for (const auto& update : found->second.updates.items())
+      report.updates.push_back({update.stamp, update.milliseconds});
   }
   return report;
 }

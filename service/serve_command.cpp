@@ -101,9 +101,9 @@ class Session {
  private:
   Result<RunSummary> run(RunSession& session, DdsPublisher& publisher, const std::filesystem::path& folder) {
     const ServiceOptions& service = request_.configuration.service;
-    const auto saver = std::make_shared<MapSaver>(folder / "map", request_.seed, request_.recording.string(),
-                                                  [&session] { return session.alignment(); },
-                                                  static_cast<std::size_t>(service.live_history));
+    const auto saver = std::make_shared<MapSaver>(
+        folder / "map", request_.seed, request_.recording.string(), [&session] { return session.alignment(); },
+        static_cast<std::size_t>(service.live_history));
     const auto requests = std::make_shared<PipelineRequests>();
     EventTeller events(tell_);
     ObserverList observers;
@@ -169,8 +169,7 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
   if (!participant) return tl::unexpected(participant.error());
   auto source = LiveSource::create(*participant, options, stop);
   if (!source) return tl::unexpected(source.error());
-  auto presence = idl::GraphPresence::create(*participant, "slamfuse",
-                                             request.run.configuration.service.dds.ros_graph);
+  auto presence = idl::GraphPresence::create(*participant, "slamfuse", request.run.configuration.service.dds.ros_graph);
   if (!presence) return tl::unexpected(presence.error());
   const auto diagnostics = DiagnosticsPublisher::start(*participant, *std::move(presence), **source, tell);
   if (!diagnostics) return tl::unexpected(diagnostics.error());

@@ -20,9 +20,9 @@ struct ServeRequest {
 /// Runs the pipeline on a robot's topics and publishes what it makes until `stop` is set, which is its normal end: then
 /// everything `run` writes is in the output folder. Meanwhile the folder's `map` is saved every
 /// ServiceOptions::save_interval, and operators are served (OperatorServices). When the robot's clock steps back, what
-/// there is is saved and new modules go on in that map. `tell` hears news for a log; `on_started` is called once interruption is worth an orderly end. Gives the
-/// outcome in words. Errors: output folder or map (kInvalidInput), DDS or the pipeline (kFailed), stopped before there
-/// was anything to do (kInterrupted).
+/// there is is saved and new modules go on in that map. `tell` hears news for a log; `on_started` is called once
+/// interruption is worth an orderly end. Gives the outcome in words. Errors: output folder or map (kInvalidInput), DDS
+/// or the pipeline (kFailed), stopped before there was anything to do (kInterrupted).
 common::Result<std::string> run_serve(const ServeRequest& request, const std::function<void(const std::string&)>& tell,
                                       const std::atomic<bool>& stop, const std::function<void()>& on_started);
 

@@ -44,8 +44,8 @@ OperatorActions::Answer ServeControl::save_map() {
   const auto session = running();
   if (!session) return common::failed(kNotRunning);
   if (session->map_makers.empty()) return common::failed("no half of ours makes a map");
-  const auto saved =
-      session->saver->save_new(session->map_makers, [&] { session->requests->want_checkpoints(); }, kSavePatience);
+  const auto saved = session->saver->save_new(
+      session->map_makers, [&] { session->requests->want_checkpoints(); }, kSavePatience);
   if (!saved) return tl::unexpected(saved.error());
   return "the map is in " + own_map_.string();
 }

@@ -30,9 +30,10 @@ struct ServiceOptions {
                   "`serve`: so many may wait for their module; more are dropped and counted.");
     visit.real("save_interval", save_interval, {1.0, 3600.0}, "s",
                "`serve`: time between two saves of the map; what came since the last is lost when it is killed.");
-    visit.integer("live_history", live_history, {100, 10000000}, "items",
-                  "`serve`: poses of each path, update times and rows of status.csv that are kept for the results; what "
-                  "is more is thinned evenly. Bounds the memory.");
+    visit.integer(
+        "live_history", live_history, {100, 10000000}, "items",
+        "`serve`: poses of each path, update times and rows of status.csv that are kept for the results; what "
+        "is more is thinned evenly. Bounds the memory.");
     visit.nested("external_pose", external_pose, "Poses of another SLAM system that come without a covariance.");
     visit.nested("dds", dds, "Publication as ROS 2 topics.");
   }

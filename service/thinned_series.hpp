@@ -48,7 +48,7 @@ class ThinnedSeries {
   std::size_t most_;
   std::vector<T> items_;
   std::size_t count_ = 0;
-  std::size_t stride_ = 1;         // every so manieth is kept
+  std::size_t stride_ = 1;        // every so manieth is kept
   bool newest_is_extra_ = false;  // it is there only because it is the newest
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A long run of the service: `slamfuse play` in a loop into `slamfuse serve`, its resident memory and the latency of its
-// poses over time.
+// A long run of the service: `slamfuse play` in a loop into `slamfuse serve`, its resident memory and the latency of
+// its poses over time.
 //
 //     benchmark_soak [--minutes M] [--rate X] [--recording PATH] [-- arguments of serve]
 //
@@ -137,11 +137,11 @@ int main(int argc, char** argv) {
   const system::Network network;
   const auto participant = network.join();
   std::printf("making the map\n");
-  if (system::exit_status_of(system::start({SLAMFUSE_PROGRAM, "run", settings.recording, "-o", folder / "map", "--modules",
-                                            "laser"})) != 0)
+  if (system::exit_status_of(system::start(
+          {SLAMFUSE_PROGRAM, "run", settings.recording, "-o", folder / "map", "--modules", "laser"})) != 0)
     return 1;
-  std::vector<std::string> serve{SLAMFUSE_PROGRAM, "serve", "-o",    folder / "out",     "--mode",
-                                 "localization",   "--map", folder / "map" / "map"};
+  std::vector<std::string> serve{SLAMFUSE_PROGRAM, "serve",        "-o",    folder / "out",
+                                 "--mode",         "localization", "--map", folder / "map" / "map"};
   serve.insert(serve.end(), settings.serve.begin(), settings.serve.end());
   const pid_t service = system::start(serve);
   const pid_t player = system::start(

@@ -38,7 +38,9 @@ class Ros2BagWriterTest : public testing::Test {
     return rows;
   }
 
-  static std::vector<std::uint8_t> message(int value) { return {0, 1, 0, 0, static_cast<std::uint8_t>(value), 0, 0, 0}; }
+  static std::vector<std::uint8_t> message(int value) {
+    return {0, 1, 0, 0, static_cast<std::uint8_t>(value), 0, 0, 0};
+  }
 
   fs::path folder_ = fs::temp_directory_path() / ("slamfuse-bag-" + std::to_string(getpid()));
 };

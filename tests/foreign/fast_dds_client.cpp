@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A robot over Fast DDS, set up as ROS 2's rmw_fastrtps does it: plays a recording to `serve` and writes down what `serve`
-// publishes.
+// A robot over Fast DDS, set up as ROS 2's rmw_fastrtps does it: plays a recording to `serve` and writes down what
+// `serve` publishes.
 //
 //     fast_dds_client RECORDING SECONDS RATE FOLDER
 //
-// Publishes scan, odom, camN/image_raw, camN/camera_info and tf_static. FOLDER/messages.txt: one line a message. FOLDER/played
-// appears when all is sent; it ends when `serve` has gone. Domain: ROS_DOMAIN_ID, on loopback.
+// Publishes scan, odom, camN/image_raw, camN/camera_info and tf_static. FOLDER/messages.txt: one line a message.
+// FOLDER/played appears when all is sent; it ends when `serve` has gone. Domain: ROS_DOMAIN_ID, on loopback.
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -15,15 +15,15 @@
 #include <mutex>
 #include <thread>
 
-#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 
 #include "common/replay.hpp"
 #include "foreign/messages.hpp"
@@ -216,8 +216,8 @@ int main(int argc, char** argv) {
     if (message == nullptr) continue;
     const common::Nanoseconds stamp = common::stamp_of(*message);
     if (!first) first = stamp;
-    std::this_thread::sleep_until(start + std::chrono::nanoseconds(static_cast<std::int64_t>(
-                                              static_cast<double>(stamp - *first) / rate)));
+    std::this_thread::sleep_until(
+        start + std::chrono::nanoseconds(static_cast<std::int64_t>(static_cast<double>(stamp - *first) / rate)));
     drivers.send(*message);
   }
   // Late, as a Nav2 that starts when the map is there.

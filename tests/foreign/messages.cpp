@@ -71,9 +71,9 @@ std::vector<char> scan_message(const LaserScan& scan, const LaserCalibration& la
     write_header(cdr, scan.stamp, scan.sensor);
     const auto steps = static_cast<double>(scan.ranges.size() - 1);
     cdr << static_cast<float>(laser.angle_min) << static_cast<float>(laser.angle_min + steps * laser.angle_increment)
-        << static_cast<float>(laser.angle_increment)
-        << static_cast<float>(laser.sweep_duration / steps) << static_cast<float>(laser.sweep_duration)
-        << static_cast<float>(laser.range_min) << static_cast<float>(laser.range_max);
+        << static_cast<float>(laser.angle_increment) << static_cast<float>(laser.sweep_duration / steps)
+        << static_cast<float>(laser.sweep_duration) << static_cast<float>(laser.range_min)
+        << static_cast<float>(laser.range_max);
     cdr << scan.ranges << std::vector<float>();
   });
 }
@@ -93,10 +93,11 @@ std::vector<char> camera_info_message(const std::string& camera, Nanoseconds sta
     cdr << static_cast<std::uint32_t>(calibration.height) << static_cast<std::uint32_t>(calibration.width)
         << std::string("plumb_bob");
     cdr << std::vector<double>{calibration.k1, calibration.k2, calibration.p1, calibration.p2, calibration.k3};
-    for (const double k : {calibration.fx, 0.0, calibration.cx, 0.0, calibration.fy, calibration.cy, 0.0, 0.0, 1.0}) cdr << k;
+    for (const double k : {calibration.fx, 0.0, calibration.cx, 0.0, calibration.fy, calibration.cy, 0.0, 0.0, 1.0})
+      cdr << k;
     for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) cdr << r;
-    for (const double p : {calibration.fx, 0.0, calibration.cx, 0.0, 0.0, calibration.fy, calibration.cy, 0.0, 0.0, 0.0,
-                           1.0, 0.0}) {
+    for (const double p :
+         {calibration.fx, 0.0, calibration.cx, 0.0, 0.0, calibration.fy, calibration.cy, 0.0, 0.0, 0.0, 1.0, 0.0}) {
       cdr << p;
     }
     for (int i = 0; i < 6; ++i) cdr << std::uint32_t{0};  // binning and region

@@ -20,9 +20,9 @@ std::vector<char> camera_info_message(const std::string& camera, slamfuse::commo
 std::vector<char> odometry_message(const slamfuse::common::WheelOdometry& odometry);
 std::vector<char> mountings_message(const slamfuse::common::Calibration& calibration);
 
-/// What `serve` publishes, as one line of text each: "pose STAMP FRAME x y sin cos variance", "tf STAMP FRAME CHILD x y",
-/// "map FRAME width height resolution x y occupied free", "status STAMP state score sources", "landmarks FRAME points x
-/// y z" (of the first).
+/// What `serve` publishes, as one line of text each: "pose STAMP FRAME x y sin cos variance", "tf STAMP FRAME CHILD x
+/// y", "map FRAME width height resolution x y occupied free", "status STAMP state score sources", "landmarks FRAME
+/// points x y z" (of the first).
 std::string read_pose(std::vector<char>& message);
 std::string read_transform(std::vector<char>& message);
 std::string read_map(std::vector<char>& message);

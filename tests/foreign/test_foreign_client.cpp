@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `slamfuse serve` and a robot that speaks Fast DDS: its scans and pictures drive the service, and it understands what the
-// service publishes.
+// `slamfuse serve` and a robot that speaks Fast DDS: its scans and pictures drive the service, and it understands what
+// the service publishes.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -38,8 +38,8 @@ class ForeignClient : public testing::Test {
     fs::create_directories(folder_);
     // A domain of its own: Fast DDS knows no discovery tags.
     const idl::ScopedEnvironment domain("ROS_DOMAIN_ID", std::to_string(100 + getpid() % 100).c_str());
-    const pid_t service = start({SLAMFUSE_PROGRAM, "serve", "-o", folder_ / "out", "--readout", "cam0=0.016", "--readout",
-                                 "cam1=0.016", "--set", "service.save_interval=2"});
+    const pid_t service = start({SLAMFUSE_PROGRAM, "serve", "-o", folder_ / "out", "--readout", "cam0=0.016",
+                                 "--readout", "cam1=0.016", "--set", "service.save_interval=2"});
     const pid_t robot = start({FAST_DDS_CLIENT, kFlat, "24", "1.5", folder_});
     played_ = appears(folder_ / "played", 90s);
     kill(service, SIGTERM);

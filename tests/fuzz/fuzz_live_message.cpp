@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a stranger may send to `serve`: CDR as Cyclone takes it off the wire, decoded with the generated descriptors, then
-// checked and used as LiveSource does. The first byte chooses the type.
+// What a stranger may send to `serve`: CDR as Cyclone takes it off the wire, decoded with the generated descriptors,
+// then checked and used as LiveSource does. The first byte chooses the type.
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -44,7 +44,8 @@ void decode(const std::uint8_t* data, std::size_t size, const Use& use) {
   bytes.resize(size + 8);  // it may look a word ahead
   std::uint32_t actual = 0;
   constexpr std::uint32_t kXcdr1 = 1;
-  if (!dds_stream_normalize(bytes.data(), static_cast<std::uint32_t>(size), false, kXcdr1, &sertype<T>(), false, &actual))
+  if (!dds_stream_normalize(bytes.data(), static_cast<std::uint32_t>(size), false, kXcdr1, &sertype<T>(), false,
+                            &actual))
     return;
   idl::Message<T> message;
   dds_istream_t stream;
@@ -102,7 +103,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       });
       break;
     case 3:
-      decode<idl::CompressedImage>(data, size, [](const auto& message) { static_cast<void>(service::from_ros(message)); });
+      decode<idl::CompressedImage>(data, size,
+                                   [](const auto& message) { static_cast<void>(service::from_ros(message)); });
       break;
     case 4:
       decode<idl::CameraInfo>(data, size, use_camera);

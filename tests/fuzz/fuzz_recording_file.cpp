@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every recording that is one file, recognised by its content: CARMEN logs (plain, gzip, bzip2), rawlogs, ROS 1 bags, MCAP,
-// SQLite. Opens it, reads it to the end, and its ground truth.
+// Every recording that is one file, recognised by its content: CARMEN logs (plain, gzip, bzip2), rawlogs, ROS 1 bags,
+// MCAP, SQLite. Opens it, reads it to the end, and its ground truth.
 #include "common/recording.hpp"
 #include "fuzz/scratch_file.hpp"
 

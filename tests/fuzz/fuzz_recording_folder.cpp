@@ -9,8 +9,12 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace slamfuse;
-  constexpr std::array kFiles{"laser0/sensor.yaml", "laser0/data.csv",    "odom0/data.csv",
-                              "cam0/sensor.yaml",   "cam0/data.csv",      "cam0/data/1.png",
+  constexpr std::array kFiles{"laser0/sensor.yaml",
+                              "laser0/data.csv",
+                              "odom0/data.csv",
+                              "cam0/sensor.yaml",
+                              "cam0/data.csv",
+                              "cam0/data/1.png",
                               "state_groundtruth_estimate0/data.csv"};
   const std::uint8_t* const end = data + size;
   for (const char* file : kFiles) {

@@ -26,7 +26,8 @@ void read(int type, RosEncoding encoding, std::span<const std::uint8_t> bytes) {
     case 3:
       if (const auto image = decode_image(encoding, bytes)) {
         static_cast<void>(to_gray(*image, kSize));
-        static_cast<void>(to_gray(*image, {static_cast<int>(image->width & 0xfff), static_cast<int>(image->height & 0xfff)}));
+        static_cast<void>(
+            to_gray(*image, {static_cast<int>(image->width & 0xfff), static_cast<int>(image->height & 0xfff)}));
       }
       return;
     case 4:

@@ -37,7 +37,8 @@ std::vector<BagSample> bag_samples(Wire wire) {
   const std::vector<SampleTransform> mounts{{"base_link", "laser", planar(0.1, 0.0, 0.0)},
                                             {"base_link", "camera", planar(0.2, 0.0, 0.0)}};
   samples.push_back({"/tf_static", "tf2_msgs/TFMessage", kSecond, transforms_message(wire, kSecond, mounts)});
-  samples.push_back({"/camera/camera_info", "sensor_msgs/CameraInfo", kSecond, camera_info_message(wire, 16, 12, 20.0)});
+  samples.push_back(
+      {"/camera/camera_info", "sensor_msgs/CameraInfo", kSecond, camera_info_message(wire, 16, 12, 20.0)});
   for (int i = 1; i <= 4; ++i) {
     const common::Nanoseconds stamp = i * kSecond;
     samples.push_back({"/odom", "nav_msgs/Odometry", stamp,
@@ -106,7 +107,8 @@ std::string euroc(const fs::path& scratch) {
 
 void write_messages(const fs::path& folder) {
   const auto write = [&](int type, const std::string& name, const auto& message_of) {
-    write_file(folder / "ros_message" / (name + "_cdr"), std::string(1, static_cast<char>(type)) + message_of(Wire::kCdr));
+    write_file(folder / "ros_message" / (name + "_cdr"),
+               std::string(1, static_cast<char>(type)) + message_of(Wire::kCdr));
     write_file(folder / "ros_message" / (name + "_be"),
                std::string(1, static_cast<char>(type)) + message_of(Wire::kBigEndianCdr));
     write_file(folder / "ros_message" / (name + "_ros1"),
@@ -164,7 +166,7 @@ void write_maps(const fs::path& folder) {
   bundle.grid = &grid;
   const std::string state = laser_state();
   bundle.laser_state = state;
-  bundle.landmarks.push_back({.id = 1, .position = {1.0, 2.0, 3.0}});
+  bundle.landmarks.resize(2);
   const fs::path map = folder / "map";
   if (!service::write_map_bundle(bundle, map)) throw std::runtime_error("no map");
   std::string yaml = read_file(map / "map.yaml");
@@ -187,8 +189,8 @@ void write_maps(const fs::path& folder) {
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const fs::path folder = argv[1];
-  for (const char* name : {"recording_file", "recording_folder", "ros_message", "live_message", "map_files",
-                           "laser_state", "options"}) {
+  for (const char* name :
+       {"recording_file", "recording_folder", "ros_message", "live_message", "map_files", "laser_state", "options"}) {
     fs::create_directories(folder / name);
   }
   const fs::path recordings = folder / "recording_file";

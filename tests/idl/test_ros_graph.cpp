@@ -56,10 +56,10 @@ TEST(GraphPresence, TellsTheEndpointsThatThereAre) {
 TEST(GraphPresence, CanBeOff) {
   const PrivateDomain domain;
   const auto participant = Participant::create(domain.settings()).value();
-  auto graph = RawReader::create_on(participant, "ros_discovery_info",
-                                    "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
-                                    {.reliable = true, .transient_local = true})
-                   .value();
+  auto graph =
+      RawReader::create_on(participant, "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+                           {.reliable = true, .transient_local = true})
+          .value();
   auto presence = GraphPresence::create(participant, "slamfuse", RosGraph::kNone).value();
   ASSERT_TRUE(presence.update());
   EXPECT_FALSE(graph.take(100ms).value());

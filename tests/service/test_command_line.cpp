@@ -149,6 +149,13 @@ TEST(CommandLine, ReadsPlay) {
   EXPECT_EQ(play.from, 1.0);
   EXPECT_EQ(play.to, 3.0);
   EXPECT_EQ(play.wait, 0.0);
+  EXPECT_EQ(play.times, 1);
+  EXPECT_EQ(play.network, idl::Network::kLoopback);
+  const auto open = parse({"play", "rec", "--times", "0", "--set", "service.dds.network=all"});
+  ASSERT_TRUE(open) << open.error().message;
+  EXPECT_EQ(std::get<PlayRequest>(*open).times, 0);
+  EXPECT_EQ(std::get<PlayRequest>(*open).network, idl::Network::kAll);
+  EXPECT_FALSE(parse({"play", "rec", "--times", "-1"}));
   EXPECT_FALSE(parse({"play", "rec", "--rate", "0"}));
   EXPECT_FALSE(parse({"play", "rec", "--stamps", "yesterday"}));
 }
@@ -169,6 +176,20 @@ TEST(CommandLine, ReadsServe) {
   EXPECT_FALSE(parse({"serve"}));
   EXPECT_FALSE(parse({"serve", "-o", "out", "--mode", "localization"}));
   EXPECT_FALSE(parse({"serve", "-o", "out", "--readout", "cam0=-1"}));
+}
+
+TEST(CommandLine, ReadsRecordAndCall) {
+  const auto recording = parse({"record", "-o", "bag", "--topics", "/scan", "tf", "--duration", "3"});
+  ASSERT_TRUE(recording) << recording.error().message;
+  const auto& record = std::get<RecordRequest>(*recording);
+  EXPECT_EQ(record.out, "bag");
+  EXPECT_EQ(record.topics, (std::vector<std::string>{"/scan", "tf"}));
+  EXPECT_EQ(record.duration, 3.0);
+  EXPECT_FALSE(parse({"record"}));
+  const auto calling = parse({"call", "set_mode", "slam"});
+  ASSERT_TRUE(calling) << calling.error().message;
+  EXPECT_EQ(std::get<CallRequest>(*calling).service, "set_mode");
+  EXPECT_EQ(std::get<CallRequest>(*calling).argument, "slam");
 }
 
 }  // namespace

@@ -52,6 +52,18 @@ TEST(InputDiagnostics, NamesAPublisherThatHasGone) {
   EXPECT_THAT(then(state, kStart + 3s).message, HasSubstr("has gone"));
 }
 
+TEST(InputDiagnostics, NamesBothTypesWhereTheyDiffer) {
+  InputState state;
+  state.sensor = "laser0";
+  state.topic = "scan";
+  state.type = "sensor_msgs/msg/LaserScan";
+  state.other_type = "sensor_msgs/msg/PointCloud2";
+  const auto diagnosis = then(state, kStart + 3s);
+  EXPECT_EQ(diagnosis.level, DiagnosisLevel::kError);
+  EXPECT_THAT(diagnosis.message, HasSubstr("type mismatch: sensor_msgs/msg/PointCloud2 is published"));
+  EXPECT_THAT(diagnosis.message, HasSubstr("expected is sensor_msgs/msg/LaserScan"));
+}
+
 TEST(InputDiagnostics, NamesThePolicyThatDoesNotMatch) {
   InputState state;
   state.sensor = "laser0";

@@ -30,8 +30,9 @@ common::Result<void> save(int round, const std::filesystem::path& path) {
   bundle.seed = static_cast<std::uint64_t>(round);
   bundle.grid = &grid;
   bundle.laser_state = state;
-  for (int i = 0; i < 1000; ++i) bundle.landmarks.push_back({.id = i, .position = {0.1 * i, 1.0, 2.0}});
-  bundle.trajectories["laser"] = common::Trajectory2(1000, {round, {}});
+  bundle.landmarks.resize(1000);
+  for (auto& landmark : bundle.landmarks) landmark.position.x() = 0.1 * round;
+  bundle.trajectories["laser"] = common::Trajectory2(1000, common::StampedPose2{round, {}});
   return write_map_bundle(bundle, path);
 }
 

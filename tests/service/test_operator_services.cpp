@@ -85,9 +85,9 @@ TEST_F(OperatorServicesTest, HandsQuestionsOnAndAnswersInWords) {
 }
 
 TEST_F(OperatorServicesTest, TakesInitialPoses) {
-  auto writer = idl::Writer<idl::PoseWithCovarianceStamped>::create(participant_, "initialpose",
-                                                                    idl::QosProfile::kOutput)
-                    .value();
+  auto writer =
+      idl::Writer<idl::PoseWithCovarianceStamped>::create(participant_, "initialpose", idl::QosProfile::kOutput)
+          .value();
   ASSERT_TRUE(writer.wait_for_reader(kPatience));
   idl::Message<idl::PoseWithCovarianceStamped> message;
   idl::assign(message->header.frame_id, "map");

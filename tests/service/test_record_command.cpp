@@ -29,7 +29,8 @@ class RecordTest : public testing::Test {
     request.out = folder_.path() / "bag";
     std::atomic<bool> stop{false};
     auto outcome = std::async(std::launch::async, [&] {
-      return run_record(request, [](const std::string&) {}, stop, [] {});
+      return run_record(
+          request, [](const std::string&) {}, stop, [] {});
     });
     publish();
     std::this_thread::sleep_for(300ms);
@@ -61,7 +62,8 @@ class RecordTest : public testing::Test {
 TEST_F(RecordTest, KeepsEveryMessageOfEveryTypeAsItCame) {
   constexpr int kMessages = 500;
   auto odd = idl::RawWriter::create(participant_, "odd", "some_msgs/msg/Odd", idl::QosProfile::kOutput).value();
-  auto latched = idl::RawWriter::create(participant_, "map", "some_msgs/msg/Map", idl::QosProfile::kLatchedOutput).value();
+  auto latched =
+      idl::RawWriter::create(participant_, "map", "some_msgs/msg/Map", idl::QosProfile::kLatchedOutput).value();
   ASSERT_TRUE(latched.write(std::vector<std::uint8_t>{0, 1, 0, 0, 42, 0, 0, 0}));
   const auto outcome = record({}, [&] {
     for (int i = 0; i < 500 && odd.matched_readers() == 0; ++i) std::this_thread::sleep_for(10ms);
@@ -84,8 +86,10 @@ TEST_F(RecordTest, KeepsEveryMessageOfEveryTypeAsItCame) {
 }
 
 TEST_F(RecordTest, OnlyWhatIsWanted) {
-  const auto unwanted = idl::RawWriter::create(participant_, "odd", "some_msgs/msg/Odd", idl::QosProfile::kOutput).value();
-  auto wanted = idl::RawWriter::create(participant_, "map", "some_msgs/msg/Map", idl::QosProfile::kLatchedOutput).value();
+  const auto unwanted =
+      idl::RawWriter::create(participant_, "odd", "some_msgs/msg/Odd", idl::QosProfile::kOutput).value();
+  auto wanted =
+      idl::RawWriter::create(participant_, "map", "some_msgs/msg/Map", idl::QosProfile::kLatchedOutput).value();
   ASSERT_TRUE(wanted.write(std::vector<std::uint8_t>{0, 1, 0, 0, 1, 0, 0, 0}));
   RecordRequest request;
   request.topics = {"/map", "silent"};

@@ -56,8 +56,7 @@ Comparison compare(common::Recording& expected, common::Recording& actual) {
       return comparison;
     }
     if (found->second.size() != messages.size()) {
-      comparison.difference =
-          fmt::format("{} has {} messages, not {}", sensor, found->second.size(), messages.size());
+      comparison.difference = fmt::format("{} has {} messages, not {}", sensor, found->second.size(), messages.size());
       return comparison;
     }
     for (std::size_t i = 0; i < messages.size(); ++i) {
@@ -68,8 +67,8 @@ Comparison compare(common::Recording& expected, common::Recording& actual) {
           },
           messages[i]);
       if (!equal) {
-        comparison.difference = fmt::format("{}: message {} of stamp {} is another", sensor, i,
-                                            common::stamp_of(messages[i]));
+        comparison.difference =
+            fmt::format("{}: message {} of stamp {} is another", sensor, i, common::stamp_of(messages[i]));
         return comparison;
       }
     }

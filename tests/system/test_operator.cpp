@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an operator may ask of `slamfuse serve`, by `slamfuse call` and `initialpose`, while `slamfuse play` feeds it; and
-// poses of other SLAM systems in the place of a half.
+// What an operator may ask of `slamfuse serve`, by `slamfuse call` and `initialpose`, while `slamfuse play` feeds it;
+// and poses of other SLAM systems in the place of a half.
 #include <chrono>
 #include <cmath>
 #include <filesystem>
