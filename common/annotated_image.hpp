@@ -11,7 +11,7 @@
 namespace slamfuse::common {
 
 /// What became of a feature in an image.
-enum class FeatureKind {
+enum class FeatureOutcome {
   kNew,         ///< entered into the map by this image
   kFollowed,    ///< of the camera's previous image, accepted
   kRecognised,  ///< a landmark out of sight before, found again by its looks, accepted
@@ -21,7 +21,7 @@ enum class FeatureKind {
 /// A feature in an image.
 struct FeatureMark {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< [px], pixel centres at whole numbers
-  FeatureKind kind = FeatureKind::kNew;
+  FeatureOutcome kind = FeatureOutcome::kNew;
 };
 
 /// An image with the features found in it, to be looked at by people. Shares the image's pixels.

@@ -17,7 +17,7 @@
 namespace slamfuse::service {
 namespace {
 
-using common::FeatureKind;
+using common::FeatureOutcome;
 
 constexpr int kMaxWidth = 480;  // [px]
 constexpr int kJpegQuality = 72;
@@ -25,26 +25,26 @@ constexpr double kRadius = 4.0;  // of a mark [user units]
 constexpr double kLegendEntry = 128.0;
 
 struct KindStyle {
-  FeatureKind kind;
+  FeatureOutcome kind;
   const char* style;
   const char* label;
 };
-constexpr std::array<KindStyle, 4> kKinds{{{FeatureKind::kFollowed, "followed", "followed"},
-                                           {FeatureKind::kRecognised, "recognised", "recognised"},
-                                           {FeatureKind::kRejected, "rejected", "rejected"},
-                                           {FeatureKind::kNew, "new", "new"}}};
+constexpr std::array<KindStyle, 4> kKinds{{{FeatureOutcome::kFollowed, "followed", "followed"},
+                                           {FeatureOutcome::kRecognised, "recognised", "recognised"},
+                                           {FeatureOutcome::kRejected, "rejected", "rejected"},
+                                           {FeatureOutcome::kNew, "new", "new"}}};
 
 /// A ring, a square, a cross and a plus.
-std::string mark(FeatureKind kind, double x, double y) {
+std::string mark(FeatureOutcome kind, double x, double y) {
   constexpr double r = kRadius;
   switch (kind) {
-    case FeatureKind::kFollowed:
+    case FeatureOutcome::kFollowed:
       return fmt::format("M{:.1f} {:.1f}a{} {} 0 1 0 {} 0a{} {} 0 1 0 -{} 0", x - r, y, r, r, 2 * r, r, r, 2 * r);
-    case FeatureKind::kRecognised:
+    case FeatureOutcome::kRecognised:
       return fmt::format("M{:.1f} {:.1f}h{}v{}h-{}z", x - r, y - r, 2 * r, 2 * r, 2 * r);
-    case FeatureKind::kRejected:
+    case FeatureOutcome::kRejected:
       return fmt::format("M{:.1f} {:.1f}l{} {}m0 -{}l-{} {}", x - r, y - r, 2 * r, 2 * r, 2 * r, 2 * r, 2 * r);
-    case FeatureKind::kNew:
+    case FeatureOutcome::kNew:
       break;
   }
   return fmt::format("M{:.1f} {:.1f}h{}m-{} -{}v{}", x - r, y, 2 * r, r, r, 2 * r);

@@ -76,8 +76,8 @@ class RunSession {
   std::string localization_state_;  // of the map localised in, to be handed on as it is
   std::unique_ptr<visual_slam::VisualSlam> visual_;
   std::map<std::string, common::CameraCalibration> cameras_;  // of the visual half
-  std::unique_ptr<ExternalPoses> external_laser_;   // in the place of ours
-  std::unique_ptr<ExternalPoses> external_visual_;  // likewise
+  std::unique_ptr<ExternalPoses> external_laser_;             // in the place of ours
+  std::unique_ptr<ExternalPoses> external_visual_;            // likewise
   std::unique_ptr<fusion::Fusion> fusion_;
 };
 

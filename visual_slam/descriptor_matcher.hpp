@@ -20,6 +20,8 @@ struct Neighbour {
 /// trees are drawn from a fixed seed.
 class DescriptorIndex {
  public:
+  /// Nothing to search in.
+  DescriptorIndex() = default;
   /// `descriptors`: a row each, of that kind; may be empty.
   DescriptorIndex(FeatureKind kind, DescriptorSearch search, const cv::Mat& descriptors);
 
@@ -30,7 +32,7 @@ class DescriptorIndex {
 
  private:
   cv::Mat descriptors_;
-  DescriptorSearch search_;
+  DescriptorSearch search_ = DescriptorSearch::kComplete;
   cv::Ptr<cv::DescriptorMatcher> matcher_;
 };
 

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <opencv2/features2d.hpp>
+#include <opencv2/core.hpp>
 
 #include "common/landmark.hpp"
+#include "visual_slam/descriptor_matcher.hpp"
 #include "visual_slam/options.hpp"
 
 namespace slamfuse::visual_slam {
@@ -32,7 +33,7 @@ class LandmarkIndex {
  public:
   LandmarkIndex(const RelocalisationOptions& options, std::span<const common::Landmark> landmarks);
 
-  bool empty() const { return descriptors_.empty(); }
+  bool empty() const { return landmarks_.empty(); }
   const std::vector<PlacedLandmark>& landmarks() const { return landmarks_; }
   /// For the descriptors of a picture's features (a row each) the landmarks they look like: near enough, and nearer by
   /// the ratio test than the next landmark at another place. Deterministic.
@@ -41,9 +42,8 @@ class LandmarkIndex {
  private:
   RelocalisationOptions options_;
   std::vector<PlacedLandmark> landmarks_;
-  cv::Mat descriptors_;           // a row for each view that has one
-  std::vector<int> landmark_of_;  // for each row
-  cv::Ptr<cv::DescriptorMatcher> matcher_;
+  std::vector<int> landmark_of_;  // for each of views_
+  DescriptorIndex views_;         // those that have a descriptor
 };
 
 }  // namespace slamfuse::visual_slam

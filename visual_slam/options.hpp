@@ -127,12 +127,6 @@ struct RecognitionOptions {
   void describe(common::OptionVisitor& visit);
 };
 
-/// How the nearest descriptors are searched (seed 000 section II D).
-enum class DescriptorSearch {
-  kComplete,  ///< each with each: exact
-  kFlann,     ///< approximate nearest neighbours by locality-sensitive hashing
-};
-
 /// How the pose is found in the whole map.
 struct RelocalisationOptions {
   bool enabled = true;

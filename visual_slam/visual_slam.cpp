@@ -413,11 +413,12 @@ class VisualSlam::Implementation {
     if (!sampler_.wants(image.sensor, image.stamp)) return;
     common::AnnotatedImage sample{image, monitor_.state(), {}};
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      const common::FeatureKind good = i < followed ? common::FeatureKind::kFollowed : common::FeatureKind::kRecognised;
-      sample.features.push_back({seen[i].pixel, report.accepted[i] ? good : common::FeatureKind::kRejected});
+      const common::FeatureOutcome good =
+          i < followed ? common::FeatureOutcome::kFollowed : common::FeatureOutcome::kRecognised;
+      sample.features.push_back({seen[i].pixel, report.accepted[i] ? good : common::FeatureOutcome::kRejected});
     }
     for (const Track& track : std::span(seeing.tracks).subspan(known)) {
-      sample.features.push_back({track.pixel, common::FeatureKind::kNew});
+      sample.features.push_back({track.pixel, common::FeatureOutcome::kNew});
     }
     sampler_.keep(std::move(sample));
   }

@@ -95,7 +95,7 @@ common::AnnotatedImage sample_image() {
   sample.image.width = 64;
   sample.image.height = 48;
   sample.image.pixels = std::make_shared<const std::vector<std::uint8_t>>(64 * 48, std::uint8_t{90});
-  sample.features = {{{10.0, 10.0}, common::FeatureKind::kNew}, {{30.0, 20.0}, common::FeatureKind::kRejected}};
+  sample.features = {{{10.0, 10.0}, common::FeatureOutcome::kNew}, {{30.0, 20.0}, common::FeatureOutcome::kRejected}};
   return sample;
 }
 

@@ -13,7 +13,7 @@
 namespace slamfuse::service {
 namespace {
 
-using common::FeatureKind;
+using common::FeatureOutcome;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -25,9 +25,9 @@ common::AnnotatedImage image_of(int width, int height) {
   std::vector<std::uint8_t> pixels;
   for (int i = 0; i < width * height; ++i) pixels.push_back(static_cast<std::uint8_t>((i * 7919) >> 5));
   annotated.image.pixels = std::make_shared<const std::vector<std::uint8_t>>(std::move(pixels));
-  annotated.features = {{{100.0, 50.0}, FeatureKind::kFollowed},
-                        {{200.0, 60.0}, FeatureKind::kFollowed},
-                        {{300.0, 70.0}, FeatureKind::kRejected}};
+  annotated.features = {{{100.0, 50.0}, FeatureOutcome::kFollowed},
+                        {{200.0, 60.0}, FeatureOutcome::kFollowed},
+                        {{300.0, 70.0}, FeatureOutcome::kRejected}};
   return annotated;
 }
 
