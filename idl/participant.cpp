@@ -21,28 +21,42 @@ constexpr std::string_view kLoopbackConfig =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces></General>"
     "</Domain></CycloneDDS>";
 
-// CYCLONEDDS_URI, a comma-separated list of files and fragments, with ours at the end.
-std::string loopback_config() {
-  const char* uri = std::getenv("CYCLONEDDS_URI");
-  std::string config = uri == nullptr ? std::string() : std::string(uri);
-  if (!config.empty()) config += ',';
-  return config += kLoopbackConfig;
+// A sample is put together in memory before anybody sees it, so what a stranger may send is bounded here: the largest map
+// and picture that make sense, by far.
+constexpr std::string_view kSizeConfig =
+    "<CycloneDDS><Domain><Internal><MaxSampleSize>128MB</MaxSampleSize></Internal></Domain></CycloneDDS>";
+
+// A comma-separated list of files and fragments, later ones first in rank: CYCLONEDDS_URI may change our size, not where
+// we are.
+std::string configuration(bool loopback_only) {
+  std::string config(kSizeConfig);
+  if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri != nullptr && *uri != '\0') config += "," + std::string(uri);
+  if (loopback_only) config += "," + std::string(kLoopbackConfig);
+  return config;
 }
 
 using Domain = std::shared_ptr<const Entity>;
 
 // A domain is configured once a process: its participants share it, the last one deletes it.
-common::Result<Domain> configured_domain(std::uint32_t id) {
+common::Result<Domain> configured_domain(std::uint32_t id, bool loopback_only) {
+  struct Configured {
+    std::weak_ptr<const Entity> domain;
+    bool loopback_only = false;
+  };
   static std::mutex mutex;
-  static std::map<std::uint32_t, std::weak_ptr<const Entity>> domains;
+  static std::map<std::uint32_t, Configured> domains;
   const std::lock_guard lock(mutex);
-  if (Domain domain = domains[id].lock()) return domain;
-  const std::string config = loopback_config();
-  return own(dds_create_domain(id, config.c_str()),
-             "configure domain " + std::to_string(id) + " for loopback only (no other interface may be named)")
+  Configured& configured = domains[id];
+  if (Domain domain = configured.domain.lock()) {
+    if (configured.loopback_only == loopback_only) return domain;
+    return common::failed("domain " + std::to_string(id) + " is in use in this process with another network");
+  }
+  const std::string config = configuration(loopback_only);
+  const char* const how = loopback_only ? " for loopback only (no other interface may be named)" : "";
+  return own(dds_create_domain(id, config.c_str()), "configure domain " + std::to_string(id) + how)
       .map([&](Entity&& entity) {
         const Domain domain = std::make_shared<const Entity>(std::move(entity));
-        domains[id] = domain;
+        configured = {domain, loopback_only};
         return domain;
       });
 }
@@ -56,12 +70,8 @@ struct Participant::State {
 
 common::Result<Participant> Participant::create(const DomainSettings& settings) {
   capture_cyclone_log();
-  Domain domain;
-  if (settings.loopback_only) {
-    auto configured = configured_domain(settings.id);
-    if (!configured) return tl::unexpected(configured.error());
-    domain = *std::move(configured);
-  }
+  auto domain = configured_domain(settings.id, settings.loopback_only);
+  if (!domain) return tl::unexpected(domain.error());
   // ROS 2 reads the security enclave from here; without it its tools do not list the participant.
   const UniqueQos qos(dds_create_qos());
   const std::string user_data = "enclave=" + (settings.enclave ? settings.enclave->name : "/") + ";";
@@ -69,7 +79,7 @@ common::Result<Participant> Participant::create(const DomainSettings& settings) 
   if (settings.enclave) secure(*qos, *settings.enclave);
   return own(dds_create_participant(settings.id, qos.get(), nullptr), "join domain " + std::to_string(settings.id))
       .map([&](Entity&& entity) {
-        return Participant(std::make_shared<const State>(State{std::move(domain), std::move(entity)}));
+        return Participant(std::make_shared<const State>(State{*std::move(domain), std::move(entity)}));
       });
 }
 

@@ -17,6 +17,7 @@
 #include "idl/publications.hpp"
 #include "idl/reader.hpp"
 #include "service/clock_now.hpp"
+#include "service/message_size.hpp"
 #include "service/ros_to_sensor.hpp"
 #include "service/sensor_discovery.hpp"
 #include "service/sensor_topic.hpp"
@@ -50,6 +51,7 @@ struct Arrival {
   std::size_t input = 0;
   Clock::time_point at;
   Payload payload;
+  std::size_t memory = 0;  ///< [bytes]
 };
 
 /// What one topic is listened to for.
@@ -282,11 +284,13 @@ class LiveSource::Impl {
     InputState& state = inputs_[index].state;
     ++state.received;
     state.last_arrival = now;
-    if (queue_.size() >= options_.queue_capacity) {
+    const std::size_t memory = memory_of(*message);
+    if (queue_.size() >= options_.queue_capacity || queued_memory_ + memory > options_.queue_memory) {
       ++state.dropped;
       return;
     }
-    queue_.push_back({index, now, std::move(message)});
+    queued_memory_ += memory;
+    queue_.push_back({index, now, std::move(message), memory});
     filled_.notify_one();
   }
 
@@ -300,6 +304,7 @@ class LiveSource::Impl {
     if (!filled_.wait_for(lock, patience, [this] { return !queue_.empty(); })) return std::nullopt;
     std::optional<Arrival> arrival(std::move(queue_.front()));
     queue_.pop_front();
+    queued_memory_ -= arrival->memory;
     return arrival;
   }
 
@@ -312,11 +317,13 @@ class LiveSource::Impl {
 
   /// What arrived before everything is known waits, as far as there is room: the oldest goes.
   void trim_backlog() {
-    while (backlog_.size() > options_.queue_capacity) {
+    backlog_memory_ += backlog_.back().memory;
+    while (backlog_.size() > options_.queue_capacity || backlog_memory_ > options_.queue_memory) {
       {
         const std::lock_guard lock(mutex_);
         ++inputs_[backlog_.front().input].state.dropped;
       }
+      backlog_memory_ -= backlog_.front().memory;
       backlog_.pop_front();
     }
   }
@@ -472,11 +479,13 @@ class LiveSource::Impl {
   std::condition_variable filled_;
   std::vector<Input> inputs_;
   std::deque<Arrival> queue_;
+  std::size_t queued_memory_ = 0;
   common::RecordingInfo info_;
   std::optional<std::string> end_wanted_;
 
   // of the thread that calls prepare() and next()
   std::deque<Arrival> backlog_;
+  std::size_t backlog_memory_ = 0;
   SensorDiscovery discovery_;
   std::map<std::string, common::Pose2> T_child_base_;
   StampGuard stamps_;

@@ -29,6 +29,7 @@ struct LiveSourceOptions {
   std::map<std::string, double> readout;  ///< of a camera's rolling shutter [s], which camera_info cannot tell
   double settle = 0.5;                    ///< [s] after the last sensor appeared, for others to appear
   std::size_t queue_capacity = 256;       ///< messages that may wait; more are dropped and counted
+  std::size_t queue_memory = std::size_t{1} << 28;  ///< [bytes] that they may take together; likewise
 };
 
 /// How a topic fares.

@@ -116,5 +116,31 @@ TEST(Participant, RefusesABrokenCycloneConfigurationAndSaysWhatIsWrongWithIt) {
   EXPECT_THAT(participant.error().message, testing::HasSubstr("NoSuchThing: unknown element"));
 }
 
+TEST(Participant, TakesNoSampleAboveTheLimit) {
+  const ScopedEnvironment limit(
+      "CYCLONEDDS_URI", ("<CycloneDDS><Domain><Internal><MaxSampleSize>1MB</MaxSampleSize></Internal><Discovery><Tag>" +
+                         std::to_string(getpid()) + "</Tag></Discovery></Domain></CycloneDDS>")
+                            .c_str());
+  const auto sender = Participant::create({78, true}).value();
+  const auto receiver = Participant::create({78, true}).value();
+  auto writer = Writer<Image>::create(sender, "image", QosProfile::kOutput).value();
+  auto reader = Reader<Image>::create(receiver, "image", QosProfile::kTransformInput).value();
+  ASSERT_TRUE(writer.wait_for_reader(5s));
+  for (const std::size_t size : {2'000'000UL, 500'000UL}) {
+    Message<Image> image;
+    allocate(image->data, size);
+    static_cast<void>(writer.write(image));  // the sender has the same limit
+  }
+  const auto taken = reader.take(5s);
+  ASSERT_TRUE(taken && *taken);
+  EXPECT_EQ((**taken)->data._length, 500'000u);
+}
+
+TEST(Participant, OfOneProcessAgreeOnTheNetwork) {
+  const auto first = Participant::create({79, true});
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(Participant::create({79, false}));
+}
+
 }  // namespace
 }  // namespace slamfuse::idl
