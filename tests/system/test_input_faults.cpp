@@ -39,7 +39,7 @@ class Robot {
 
   explicit Robot(const idl::Participant& participant)
       : recording_(*common::replay(*common::open_recording(SLAMFUSE_DATA_DIR "/flat"), only_laser_and_odometry())),
-        publisher_(*service::RecordingPublisher::create(participant, recording_->info())),
+        publisher_(*service::RecordingPublisher::create(participant, without_cameras(recording_->info()))),
         start_(Clock::now()) {}
 
   bool wait_for_service() { return publisher_->wait_for_readers(20.0); }
@@ -67,6 +67,12 @@ class Robot {
     common::ReplayOptions options;
     options.only_sensors = {"laser0", "odom0"};
     return options;
+  }
+
+  static common::RecordingInfo without_cameras(common::RecordingInfo info) {
+    std::erase_if(info.sensors, [](const auto& sensor) { return sensor.second.kind == common::SensorKind::kCamera; });
+    info.calibration.cameras.clear();
+    return info;
   }
 
   std::unique_ptr<common::Recording> recording_;

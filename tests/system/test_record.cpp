@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `slamfuse play` into `slamfuse record`: what comes back is what was played.
 //
-// SLAMFUSE_RECORDINGS: folder of recordings; its real/jackal and real/olin_neato are played too.
+// SLAMFUSE_RECORDINGS: folder of recordings; its real/jackal/test_... and real/olin_neato are played too.
 #include <cstdlib>
 #include <filesystem>
 #include <thread>
@@ -60,6 +60,23 @@ TEST_F(Record, TheDemoComesBackIdentical) {
   expect_same(**played);
 }
 
+// With DDS Security: who has no identity is not even known.
+TEST_F(Record, TheUninvitedHearNothing) {
+  const fs::path keystore = folder_ / "keystore";
+  ASSERT_EQ(std::system((std::string(SLAMFUSE_KEYSTORE_SCRIPT) + " " + keystore.string() + " slamfuse > /dev/null").c_str()),
+            0);
+  const pid_t uninvited = start({SLAMFUSE_PROGRAM, "record", "-o", folder_ / "uninvited"});
+  {
+    const idl::ScopedEnvironment enable("ROS_SECURITY_ENABLE", "true");
+    const idl::ScopedEnvironment store("ROS_SECURITY_KEYSTORE", keystore.c_str());
+    record(SLAMFUSE_DATA_DIR "/flat", {"--to", "2"});
+  }
+  kill(uninvited, SIGINT);
+  EXPECT_EQ(exit_status_of(uninvited), 0);
+  EXPECT_TRUE(common::open_recording(bag())) << "the invited one heard nothing either";
+  EXPECT_FALSE(common::open_recording(folder_ / "uninvited"));
+}
+
 class RecordReal : public Record, public testing::WithParamInterface<const char*> {};
 
 TEST_P(RecordReal, ComesBackIdentical) {
@@ -72,7 +89,7 @@ TEST_P(RecordReal, ComesBackIdentical) {
   expect_same(**played);
 }
 
-INSTANTIATE_TEST_SUITE_P(Bags, RecordReal, testing::Values("real/jackal", "real/olin_neato"));
+INSTANTIATE_TEST_SUITE_P(Bags, RecordReal, testing::Values("real/jackal/test_2026-02-17-15-54-31", "real/olin_neato"));
 
 }  // namespace
 }  // namespace slamfuse::system
