@@ -19,11 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
+// Who must not hear whom is tested between processes (system.record): within one Cyclone hands messages on directly.
 class Security : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = fs::temp_directory_path() / ("slamfuse-keystore-" + std::to_string(getpid()));
-    made_ = make("ours", "slamfuse viewer") && make("theirs", "slamfuse");
+    made_ = make("ours", "slamfuse viewer");
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
   void SetUp() override { ASSERT_TRUE(made_) << "scripts/keystore failed: is openssl installed?"; }
@@ -56,13 +57,6 @@ class Security : public testing::Test {
 
 TEST_F(Security, ThoseOfAKeystoreHearEachOther) {
   EXPECT_TRUE(hears(join("ours", "/viewer"), join("ours", "/slamfuse")));
-}
-
-TEST_F(Security, ThoseOfAnotherKeystoreHearNothingAndAreNotHeard) {
-  const auto ours = join("ours", "slamfuse");
-  const auto theirs = join("theirs", "slamfuse");
-  EXPECT_FALSE(hears(theirs, ours));
-  EXPECT_FALSE(hears(ours, theirs));
 }
 
 TEST_F(Security, TheEnvironmentOfRosTurnsItOn) {

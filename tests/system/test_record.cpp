@@ -60,21 +60,33 @@ TEST_F(Record, TheDemoComesBackIdentical) {
   expect_same(**played);
 }
 
-// With DDS Security: who has no identity is not even known.
+// With DDS Security: who has no identity, or one of another authority, is not even known.
 TEST_F(Record, TheUninvitedHearNothing) {
   const fs::path keystore = folder_ / "keystore";
-  ASSERT_EQ(std::system((std::string(SLAMFUSE_KEYSTORE_SCRIPT) + " " + keystore.string() + " slamfuse > /dev/null").c_str()),
-            0);
+  const fs::path other_keystore = folder_ / "other";
+  for (const auto& store : {keystore, other_keystore}) {
+    const std::string command = std::string(SLAMFUSE_KEYSTORE_SCRIPT) + " " + store.string() + " slamfuse > /dev/null";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+  }
+  const auto record_as = [&](const fs::path& store, const std::string& bag) {
+    const idl::ScopedEnvironment enable("ROS_SECURITY_ENABLE", "true");
+    const idl::ScopedEnvironment identity("ROS_SECURITY_KEYSTORE", store.c_str());
+    return start({SLAMFUSE_PROGRAM, "record", "-o", folder_ / bag});
+  };
+  const pid_t foreign = record_as(other_keystore, "foreign");
   const pid_t uninvited = start({SLAMFUSE_PROGRAM, "record", "-o", folder_ / "uninvited"});
   {
     const idl::ScopedEnvironment enable("ROS_SECURITY_ENABLE", "true");
     const idl::ScopedEnvironment store("ROS_SECURITY_KEYSTORE", keystore.c_str());
     record(SLAMFUSE_DATA_DIR "/flat", {"--to", "2"});
   }
-  kill(uninvited, SIGINT);
-  EXPECT_EQ(exit_status_of(uninvited), 0);
+  for (const pid_t recorder : {uninvited, foreign}) {
+    kill(recorder, SIGINT);
+    EXPECT_EQ(exit_status_of(recorder), 0);
+  }
   EXPECT_TRUE(common::open_recording(bag())) << "the invited one heard nothing either";
   EXPECT_FALSE(common::open_recording(folder_ / "uninvited"));
+  EXPECT_FALSE(common::open_recording(folder_ / "foreign"));
 }
 
 class RecordReal : public Record, public testing::WithParamInterface<const char*> {};
