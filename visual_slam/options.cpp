@@ -180,8 +180,21 @@ void TrackingOptions::describe(OptionVisitor& visit) {
   visit.real("lost_after", lost_after, {0.1, 600.0}, "s", "LOST after this long without such an image.");
 }
 
+void ImageClockOptions::describe(OptionVisitor& visit) {
+  visit.flag("correct", correct,
+             "Whether stamps of pictures that disagree with the wheel odometry's are corrected, when the turns of the "
+             "two clearly show by how much.");
+  visit.real("most_offset", most_offset, {0.0, 5.0}, "s", "Offsets are looked for up to this.");
+  visit.real("smallest_offset", smallest_offset, {0.001, 1.0}, "s",
+             "A smaller offset is let be: the fusion finds what is left from the paths.");
+  visit.real("most_sigma", most_sigma, {0.0001, 1.0}, "s",
+             "An offset is believed only when its standard deviation is below this.");
+  visit.real("memory", memory, {1.0, 3600.0}, "s", "Turns older than this are forgotten.");
+}
+
 void VisualSlamOptions::describe(OptionVisitor& visit) {
   visit.nested("motion", motion, "How the robot moves, and how far the wheel odometry is trusted.");
+  visit.nested("image_clock", image_clock, "Whether the cameras' stamps fit the wheel odometry's.");
   visit.nested("front_end", front_end, "How features are found and followed.");
   visit.nested("selection", selection, "Which features are worth having.");
   visit.nested("turn_search", turn_search, "Where features are looked for after a turn without wheel odometry.");

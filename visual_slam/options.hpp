@@ -180,9 +180,21 @@ struct TrackingOptions {
   void describe(common::OptionVisitor& visit);
 };
 
+/// How wrong stamps of a camera are looked for, see ImageClock.
+struct ImageClockOptions {
+  bool correct = true;
+  double most_offset = 0.6;       ///< [s]
+  double smallest_offset = 0.03;  ///< [s]
+  double most_sigma = 0.008;      ///< [s]
+  double memory = 60.0;           ///< [s]
+
+  void describe(common::OptionVisitor& visit);
+};
+
 /// Options of VisualSlam: the `visual:` section of the configuration.
 struct VisualSlamOptions {
   MotionOptions motion;
+  ImageClockOptions image_clock;
   FrontEndOptions front_end;
   SelectionOptions selection;
   TurnSearchOptions turn_search;

@@ -15,6 +15,7 @@
 #include "visual_slam/ekf.hpp"
 #include "visual_slam/feature_selection.hpp"
 #include "visual_slam/front_end.hpp"
+#include "visual_slam/image_clock.hpp"
 #include "visual_slam/image_sampler.hpp"
 #include "visual_slam/landmark_book.hpp"
 #include "visual_slam/observation_log.hpp"
@@ -58,6 +59,7 @@ class VisualSlam::Implementation {
         observations_(options.map),
         filter_(options.filter, options.motion) {
     for (const auto& [name, calibration] : cameras) cameras_.emplace_back(Camera(name, calibration));
+    for (const CameraTracks& seeing : cameras_) clocks_.emplace_back(options.image_clock, seeing.camera);
   }
 
   bool wants(const common::SensorMessage& message) const {
@@ -66,8 +68,11 @@ class VisualSlam::Implementation {
   }
 
   common::ProcessResult process(const common::SensorMessage& message) {
-    if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) odometry_.add(*odometry);
-    if (const auto* image = std::get_if<common::Image>(&message)) return process_image(*image);
+    if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) {
+      odometry_.add(*odometry);
+      for (ImageClock& clock : clocks_) clock.add(*odometry);
+    }
+    if (const auto* image = std::get_if<common::Image>(&message)) return process_image(by_odometry_clock(*image));
     return {};
   }
 
@@ -123,14 +128,39 @@ class VisualSlam::Implementation {
     return std::nullopt;
   }
 
+  static bool has_size_of(const common::CameraCalibration& calibration, const common::Image& image) {
+    return image.width == calibration.width && image.height == calibration.height && image.pixels &&
+           image.pixels->size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  }
+
+  /// The image with its stamp as its camera's clock is believed to be off the wheel odometry's. When that changes the
+  /// map is of no use, as it was made with odometry of other times.
+  common::Image by_odometry_clock(common::Image image) {
+    const std::optional<std::size_t> index = camera_index(image.sensor);
+    if (!index || !has_odometry() || !has_size_of(cameras_[*index].camera.calibration, image)) return image;
+    ImageClock& clock = clocks_[*index];
+    if (clock.watch(picture_of(image), image.stamp)) {
+      waiting_events_.push_back(event(
+          "clock_offset", fmt::format("stamps of {} are moved by {:+.1f} ms, where the turns in its pictures fit the "
+                                      "wheel odometry's; the map begins anew",
+                                      image.sensor, 1e3 * common::to_seconds(clock.correction()))));
+      reset();
+    }
+    image.stamp += clock.correction();
+    return image;
+  }
+
+  static cv::Mat picture_of(const common::Image& image) {
+    return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels->data())};
+  }
+
   /// Why an image cannot be used; empty when it can.
   std::optional<std::string> refuse(const common::Image& image) const {
     const std::optional<std::size_t> index = camera_index(image.sensor);
     if (!index) return fmt::format("image of camera '{}', which is not among the ones to use", image.sensor);
     const CameraTracks& from = cameras_[*index];
     const common::CameraCalibration& calibration = from.camera.calibration;
-    if (image.width != calibration.width || image.height != calibration.height || !image.pixels ||
-        image.pixels->size() != static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height)) {
+    if (!has_size_of(calibration, image)) {
       return fmt::format("image of {} x {} pixels, the calibration of {} says {} x {}", image.width, image.height,
                          image.sensor, calibration.width, calibration.height);
     }
@@ -150,7 +180,7 @@ class VisualSlam::Implementation {
   common::ProcessResult process_image(const common::Image& image) {
     if (std::optional<std::string> reason = refuse(image)) return {.estimate = {}, .rejected = std::move(reason)};
     CameraTracks& seeing = cameras_[*camera_index(image.sensor)];
-    const cv::Mat picture(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels->data()));
+    const cv::Mat picture = picture_of(image);
     predict(image.stamp);
     seeing.newest = image.stamp;
     std::vector<common::Event> events;
@@ -493,6 +523,7 @@ class VisualSlam::Implementation {
   VisualSlamOptions options_;
   FeatureSelection selection_;
   std::vector<CameraTracks> cameras_;  // fixed once built: the filter keeps pointers to the cameras
+  std::vector<ImageClock> clocks_;     // as cameras_
   std::unique_ptr<FrontEnd> front_end_;
   TurnSearch turn_search_;  // without wheel odometry
   LandmarkBook book_;
