@@ -18,6 +18,20 @@ BodyPose::BodyPose(const common::Pose2& planar) : position(planar.x, planar.y, 0
 BodyPose::BodyPose(const common::Pose3& spatial)
     : position(spatial.translation), rotation(spatial.rotation.toRotationMatrix()) {}
 
+BodyPose BodyPose::operator*(const BodyPose& other) const {
+  BodyPose product;
+  product.position = rotation * other.position + position;
+  product.rotation = rotation * other.rotation;
+  return product;
+}
+
+BodyPose BodyPose::inverse() const {
+  BodyPose inverse;
+  inverse.rotation = rotation.transpose();
+  inverse.position = -(inverse.rotation * position);
+  return inverse;
+}
+
 BodyPose displacement(const BodyTwist& twist, double seconds) {
   const bool planar = twist.linear.z() == 0.0 && twist.angular.head<2>().isZero(0.0);
   if (planar) {

@@ -17,6 +17,10 @@ struct BodyPose {
   BodyPose(const common::Pose2& planar);
   BodyPose(const common::Pose3& spatial);
 
+  /// T_a_c = T_a_b * T_b_c.
+  BodyPose operator*(const BodyPose& other) const;
+  BodyPose inverse() const;
+
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m], or the map's unit
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
 };

@@ -9,6 +9,7 @@
 
 #include "common/angle.hpp"
 #include "visual_slam/consensus.hpp"
+#include "visual_slam/observation_pair.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -69,17 +70,19 @@ void Ekf::predict(const MotionStep& step) {
   if (motion_->predict(state_, robot_, motion_parameters_, step)) moved_ = true;
 }
 
-Eigen::Vector3d Ekf::numbers_of(const FilterLandmark& landmark) const {
-  return landmark.fixed ? landmark.fixed->position : Eigen::Vector3d(state_.mean(landmark.block));
-}
-
 std::optional<Projection> Ekf::project(const Camera& camera, const FilterLandmark& landmark,
                                        const BodyPose& row_shift) const {
   const Eigen::Vector3d numbers = numbers_of(landmark);
   const BodyPose robot = body_pose(state_, robot_);
-  if (!landmark.anchored) return project_cartesian(camera, row_shift, robot, numbers, lever_scale());
+  if (!landmark.anchored()) return project_cartesian(camera, row_shift, robot, numbers, lever_scale());
   return project_anchored(camera, row_shift, robot, landmark.anchor, body_pose(state_, landmark.anchor_pose), numbers,
                           lever_scale());
+}
+
+Eigen::Vector3d Ekf::numbers_of(const FilterLandmark& landmark) const {
+  if (landmark.in_state()) return state_.mean(landmark.block);
+  if (landmark.form == LandmarkForm::kFixed) return landmark.fixed.position;
+  return {landmark.first.point.x(), landmark.first.point.y(), landmark.inverse_depth};
 }
 
 std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Measurement& measurement) const {
@@ -90,22 +93,23 @@ std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Meas
   linear.residual = measurement.bearing.point - projection->point;
   linear.noise = square(measurement.bearing.sigma) * Eigen::Matrix2d::Identity();
   linear.jacobian.push_back(pose_part(state_, robot_, projection->wrt_robot));
-  if (landmark.anchored) linear.jacobian.push_back(pose_part(state_, landmark.anchor_pose, projection->wrt_anchor));
-  if (std::optional<JacobianPart<2>> lever = lever_part(projection->wrt_lever_scale)) {
+  if (landmark.anchored()) linear.jacobian.push_back(pose_part(state_, landmark.anchor_pose, projection->wrt_anchor));
+  if (std::optional<JacobianPart<2>> lever = lever_part<2>(projection->wrt_lever_scale)) {
     linear.jacobian.push_back(std::move(*lever));
   }
-  if (landmark.fixed) {
-    linear.noise += projection->wrt_landmark * landmark.fixed->covariance * projection->wrt_landmark.transpose();
+  if (landmark.form == LandmarkForm::kFixed) {
+    linear.noise += projection->wrt_landmark * landmark.fixed.covariance * projection->wrt_landmark.transpose();
   } else {
     linear.jacobian.push_back({landmark.block, projection->wrt_landmark});
   }
   return linear;
 }
 
-std::optional<JacobianPart<2>> Ekf::lever_part(const Eigen::Vector2d& wrt_lever_scale) const {
+template <int Rows>
+std::optional<JacobianPart<Rows>> Ekf::lever_part(const Eigen::Matrix<double, Rows, 1>& wrt_lever_scale) const {
   const std::optional<int> index = motion_->lever_scale_index();
   if (!index) return std::nullopt;
-  JacobianPart<2> part{motion_parameters_, Eigen::MatrixXd::Zero(2, state_.mean(motion_parameters_).size())};
+  JacobianPart<Rows> part{motion_parameters_, Eigen::MatrixXd::Zero(Rows, state_.mean(motion_parameters_).size())};
   part.matrix.col(*index) = wrt_lever_scale;
   return part;
 }
@@ -117,7 +121,7 @@ std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId 
 
 std::optional<Prediction> Ekf::predict_point(const Camera& camera, const MapPoint& point,
                                              const BodyPose& row_shift) const {
-  return predict(camera, {.block = 0, .anchored = false, .anchor = {}, .fixed = point}, row_shift);
+  return predict(camera, {.form = LandmarkForm::kFixed, .fixed = point}, row_shift);
 }
 
 std::optional<Prediction> Ekf::predict(const Camera& camera, const FilterLandmark& entry,
@@ -125,18 +129,18 @@ std::optional<Prediction> Ekf::predict(const Camera& camera, const FilterLandmar
   const std::optional<Projection> projection = project(camera, entry, row_shift);
   if (!projection) return std::nullopt;
   std::vector<JacobianPart<2>> parts = {pose_part(state_, robot_, projection->wrt_robot)};
-  if (!entry.fixed) parts.push_back({entry.block, projection->wrt_landmark});
-  if (entry.anchored) parts.push_back(pose_part(state_, entry.anchor_pose, projection->wrt_anchor));
+  if (entry.in_state()) parts.push_back({entry.block, projection->wrt_landmark});
+  if (entry.anchored()) parts.push_back(pose_part(state_, entry.anchor_pose, projection->wrt_anchor));
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  if (entry.fixed) {
-    covariance = projection->wrt_landmark * entry.fixed->covariance * projection->wrt_landmark.transpose();
+  if (entry.form == LandmarkForm::kFixed) {
+    covariance = projection->wrt_landmark * entry.fixed.covariance * projection->wrt_landmark.transpose();
   }
   for (const auto& [row, by_row] : parts) {
     for (const auto& [column, by_column] : parts) {
       covariance += by_row * state_.covariance(row, column) * by_column.transpose();
     }
   }
-  if (const std::optional<JacobianPart<2>> lever = lever_part(projection->wrt_lever_scale)) {
+  if (const std::optional<JacobianPart<2>> lever = lever_part<2>(projection->wrt_lever_scale)) {
     Eigen::Matrix2d cross = Eigen::Matrix2d::Zero();
     for (const auto& [row, by_row] : parts) {
       cross += by_row * state_.covariance(row, lever->block) * lever->matrix.transpose();
@@ -144,11 +148,16 @@ std::optional<Prediction> Ekf::predict(const Camera& camera, const FilterLandmar
     covariance += cross + cross.transpose() +
                   lever->matrix * state_.covariance(lever->block, lever->block) * lever->matrix.transpose();
   }
+  if (entry.form == LandmarkForm::kWaiting) {
+    const Eigen::Vector3d variances(square(entry.first.sigma), square(entry.first.sigma),
+                                    square(options_.inverse_depth_sigma));
+    covariance += projection->wrt_landmark * variances.asDiagonal() * projection->wrt_landmark.transpose();
+  }
   return Prediction{projection->point, covariance};
 }
 
 bool Ekf::depth_is_known(const FilterLandmark& landmark) const {
-  if (!landmark.anchored) return true;
+  if (!landmark.anchored()) return true;
   const double rho = state_.mean(landmark.block)[2];
   return std::sqrt(state_.covariance(landmark.block, landmark.block)(2, 2)) < options_.known_depth * rho;
 }
@@ -190,15 +199,26 @@ void Ekf::learn_depth(const Camera& camera, const Measurement& measurement) {
 UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> measurements) {
   UpdateReport report;
   report.accepted.assign(measurements.size(), false);
+  correct(camera, measurements, report);
+  for (std::size_t i = 0; i < measurements.size(); ++i) {
+    if (landmarks_.at(measurements[i].landmark).form != LandmarkForm::kWaiting) continue;
+    report.accepted[i] = pair_up(camera, measurements[i]);
+  }
+  report.inliers = static_cast<int>(std::count(report.accepted.begin(), report.accepted.end(), true));
+  return report;
+}
+
+void Ekf::correct(const Camera& camera, std::span<const Measurement> measurements, UpdateReport& report) {
   std::vector<std::size_t> used;
   std::vector<LinearMeasurement> linear;
   for (std::size_t i = 0; i < measurements.size(); ++i) {
+    if (landmarks_.at(measurements[i].landmark).form == LandmarkForm::kWaiting) continue;
     if (std::optional<LinearMeasurement> one = linearise(camera, measurements[i])) {
       used.push_back(i);
       linear.push_back(std::move(*one));
     }
   }
-  if (linear.empty()) return report;
+  if (linear.empty()) return;
   const Eigen::MatrixXd cross = state_.covariance_times_jacobian(linear);
   const Consensus consensus = find_consensus(stacked_residuals(linear), innovation_covariance(state_, linear, cross),
                                              chi_square_gate_2(options_.gate_probability));
@@ -231,8 +251,51 @@ UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> meas
     if (!depth_known[i]) learn_depth(camera, measurements[i]);
     report.accepted[i] = true;
   }
-  report.inliers = static_cast<int>(accepted.size());
-  return report;
+}
+
+bool Ekf::starts_delayed() const {
+  if (options_.initialisation == InitialisationKind::kInverseDepth) return false;
+  if (motion_->is_metric()) return true;
+  // Nobody but the landmarks knows how fast the robot moves, and a pair of sights says nothing without that.
+  const auto known = std::count_if(landmarks_.begin(), landmarks_.end(),
+                                   [](const auto& entry) { return entry.second.form == LandmarkForm::kPoint; });
+  return known >= options_.min_known_depths;
+}
+
+/// Whether a bearing of a waiting landmark fits its epipolar line; makes the landmark a point when the pair with its
+/// first sight is well-conditioned.
+bool Ekf::pair_up(const Camera& camera, const Measurement& measurement) {
+  FilterLandmark& landmark = landmarks_.at(measurement.landmark);
+  const RelativeMotion relative = relative_motion(state_, landmark.anchor_pose, robot_);
+  const ObservationPair pair{.first_camera = landmark.anchor.camera,
+                             .second_camera = &camera,
+                             .first = landmark.first,
+                             .second = measurement.bearing,
+                             .motion = relative.motion,
+                             .motion_covariance = relative.covariance,
+                             .lever_scale = lever_scale()};
+  const std::optional<Prediction> prediction =
+      predict_bearing(camera, measurement.landmark, measurement.bearing.row_shift);
+  const std::optional<Intersection> at = intersect(pair);
+  if (!prediction || !at) return prediction.has_value();
+  const Eigen::Vector2d across(-at->along.y(), at->along.x());
+  const double miss = across.dot(measurement.bearing.point - prediction->point);
+  const double variance = across.dot(prediction->covariance * across) + square(measurement.bearing.sigma);
+  if (square(miss) > chi_square_gate_2(options_.gate_probability) * variance) return false;
+  if (at->inverse_depth > 0.0) landmark.inverse_depth = at->inverse_depth;
+  if (divergence_from_gaussian(pair, *at, options_.divergence_samples) > options_.max_divergence) return true;
+  const std::optional<PairPoint> point = point_of_pair(pair, *at, body_pose(state_, landmark.anchor_pose));
+  if (!point) return true;
+  std::vector<JacobianPart<Eigen::Dynamic>> parts;
+  for (const JacobianPart<3>& part :
+       {pose_part(state_, robot_, point->wrt_robot), pose_part(state_, landmark.anchor_pose, point->wrt_anchor)}) {
+    parts.push_back({part.block, part.matrix});
+  }
+  if (const auto lever = lever_part<3>(point->wrt_lever_scale)) parts.push_back({lever->block, lever->matrix});
+  landmark.block = state_.append(point->position, BlockKind::kPoint, parts, point->covariance);
+  landmark.form = LandmarkForm::kPoint;
+  --past_pose_of(landmark.anchor_pose).anchored;
+  return true;
 }
 
 PastPose& Ekf::past_pose_now(common::Nanoseconds stamp) {
@@ -252,15 +315,28 @@ PastPose& Ekf::past_pose_of(BlockId block) {
 void Ekf::add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& bearing, common::Nanoseconds stamp) {
   PastPose& anchor = past_pose_now(stamp);
   ++anchor.anchored;
+  FilterLandmark entry{.form = LandmarkForm::kWaiting,
+                       .block = 0,
+                       .anchor_pose = anchor.block,
+                       .anchor = {&camera, bearing.row_shift},
+                       .first = bearing,
+                       .inverse_depth = options_.initial_inverse_depth};
+  if (!starts_delayed()) {
+    entry.form = LandmarkForm::kInverseDepth;
+    entry.block = append_inverse_depth(bearing);
+  }
+  landmarks_.emplace(landmark, std::move(entry));
+}
+
+BlockId Ekf::append_inverse_depth(const Bearing& bearing) {
   const Eigen::Vector3d numbers(bearing.point.x(), bearing.point.y(), options_.initial_inverse_depth);
   const Eigen::Matrix3d noise =
       Eigen::Vector3d(square(bearing.sigma), square(bearing.sigma), square(options_.inverse_depth_sigma)).asDiagonal();
-  const BlockId block = state_.append(numbers, BlockKind::kInverseDepth, {}, noise);
-  landmarks_.emplace(landmark, FilterLandmark{block, true, anchor.block, {&camera, bearing.row_shift}});
+  return state_.append(numbers, BlockKind::kInverseDepth, {}, noise);
 }
 
 void Ekf::add_fixed_landmark(LandmarkId landmark, const MapPoint& point) {
-  landmarks_.emplace(landmark, FilterLandmark{.block = 0, .anchored = false, .anchor = {}, .fixed = point});
+  landmarks_.emplace(landmark, FilterLandmark{.form = LandmarkForm::kFixed, .fixed = point});
 }
 
 Eigen::Matrix3d Ekf::covariance_given(LandmarkId landmark, const PastPose& past) const {
@@ -277,14 +353,14 @@ void Ekf::add_point(LandmarkId landmark, const Eigen::Vector3d& position, const 
   const JacobianPart<Eigen::Dynamic> part[] = {
       {past.block, pose_part(state_, past.block, point_by_pose(position, body_pose(state_, past.block))).matrix}};
   const BlockId block = state_.append(position, BlockKind::kPoint, part, covariance);
-  landmarks_.emplace(landmark, FilterLandmark{.block = block, .anchored = false, .anchor = {}});
+  landmarks_.emplace(landmark, FilterLandmark{.form = LandmarkForm::kPoint, .block = block});
 }
 
 std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const LandmarkId> landmarks) {
   std::vector<LandmarkId> impossible;
   for (const LandmarkId id : landmarks) {
     FilterLandmark& landmark = landmarks_.at(id);
-    if (!landmark.anchored) continue;
+    if (landmark.form != LandmarkForm::kInverseDepth) continue;
     const Eigen::Vector3d numbers = state_.mean(landmark.block);
     const double sigma = std::sqrt(std::max(0.0, state_.covariance(landmark.block, landmark.block)(2, 2)));
     if (numbers.z() < -kImpossible * sigma) impossible.push_back(id);
@@ -297,12 +373,9 @@ std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const Landm
     const JacobianPart<3> by_anchor = pose_part(state_, landmark.anchor_pose, point.wrt_anchor);
     std::vector<JacobianPart<Eigen::Dynamic>> parts = {{by_anchor.block, by_anchor.matrix},
                                                        {landmark.block, point.wrt_landmark}};
-    if (const std::optional<int> column = motion_->lever_scale_index()) {
-      parts.push_back({motion_parameters_, Eigen::MatrixXd::Zero(3, state_.mean(motion_parameters_).size())});
-      parts.back().matrix.col(*column) = point.wrt_lever_scale;
-    }
+    if (const auto lever = lever_part<3>(point.wrt_lever_scale)) parts.push_back({lever->block, lever->matrix});
     state_.transform(landmark.block, point.position, BlockKind::kPoint, parts, Eigen::Matrix3d::Zero());
-    landmark.anchored = false;
+    landmark.form = LandmarkForm::kPoint;
     --past_pose_of(landmark.anchor_pose).anchored;
   }
   remove_blocks({});
@@ -313,8 +386,8 @@ void Ekf::remove(std::span<const LandmarkId> landmarks) {
   std::vector<BlockId> blocks;
   for (const LandmarkId id : landmarks) {
     const FilterLandmark& landmark = landmarks_.at(id);
-    if (landmark.anchored) --past_pose_of(landmark.anchor_pose).anchored;
-    if (!landmark.fixed) blocks.push_back(landmark.block);
+    if (landmark.anchored()) --past_pose_of(landmark.anchor_pose).anchored;
+    if (landmark.in_state()) blocks.push_back(landmark.block);
     landmarks_.erase(id);
   }
   remove_blocks(std::move(blocks));
@@ -374,7 +447,7 @@ void Ekf::correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& cov
 std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen::Matrix3d& covariance) {
   std::vector<LandmarkId> without_depth;
   for (const auto& [id, landmark] : landmarks_) {
-    if (landmark.anchored) without_depth.push_back(id);
+    if (landmark.anchored()) without_depth.push_back(id);
   }
   remove(without_depth);
   set_planar_pose(state_, robot_, new_pose, covariance);
@@ -384,15 +457,15 @@ std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen
 
 std::optional<MapPoint> Ekf::map_point(LandmarkId landmark) const {
   const FilterLandmark& entry = landmarks_.at(landmark);
-  if (entry.fixed) return entry.fixed;
-  if (entry.anchored) return std::nullopt;
+  if (entry.form == LandmarkForm::kFixed) return entry.fixed;
+  if (entry.anchored()) return std::nullopt;
   return MapPoint{state_.mean(entry.block), state_.covariance(entry.block, entry.block)};
 }
 
 std::optional<Eigen::Vector3d> Ekf::likely_position(LandmarkId landmark) const {
   const FilterLandmark& entry = landmarks_.at(landmark);
   const Eigen::Vector3d numbers = numbers_of(entry);
-  if (!entry.anchored) return numbers;
+  if (!entry.anchored()) return numbers;
   if (numbers.z() <= 0.0) return std::nullopt;
   return to_cartesian(entry.anchor, body_pose(state_, entry.anchor_pose), numbers, lever_scale()).position;
 }

@@ -38,8 +38,8 @@ struct Prediction {
 
 /// A landmark's place in the map.
 struct MapPoint {
-  Eigen::Vector3d position;    ///< [m]
-  Eigen::Matrix3d covariance;  ///< [m^2]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();    ///< [m]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [m^2]
 };
 
 /// What an update did.
@@ -88,7 +88,7 @@ class Ekf {
   const PastPose* keyframe_at(common::Nanoseconds stamp) const;
   bool has(LandmarkId landmark) const { return landmarks_.contains(landmark); }
   std::size_t landmark_count() const { return landmarks_.size(); }
-  bool is_cartesian(LandmarkId landmark) const { return !landmarks_.at(landmark).anchored; }
+  bool is_cartesian(LandmarkId landmark) const { return !landmarks_.at(landmark).anchored(); }
 
   /// Moves the robot as the motion model says.
   void predict(const MotionStep& step);
@@ -102,9 +102,14 @@ class Ekf {
   /// whole state; the part along it, the parallax, teaches the landmark its depth and nothing else. A plain EKF lets
   /// both learn from the product of unknown depth and driven distance, linearised at a wrong depth; the errors do not
   /// average out and shrink the scale of the map image by image (25 % on a 68 m corridor).
+  ///
+  /// Landmarks that wait for a well-conditioned pair correct nothing: their bearing is accepted when it fits the
+  /// epipolar line, and when the pair with their first sight passes the test of seed 000 section II.E they enter as
+  /// points.
   UpdateReport update(const Camera& camera, std::span<const Measurement> measurements);
-  /// Enters a landmark seen the first time, by inverse depth, undelayed (seed 002 section 2.3). `stamp` is that of the
-  /// image; landmarks of one stamp share their anchor. The camera must outlive the landmark.
+  /// Enters a landmark seen the first time: by inverse depth, undelayed (seed 002 section 2.3), or, as the options
+  /// say, to wait for a well-conditioned pair. `stamp` is that of the image; landmarks of one stamp share their anchor.
+  /// The camera must outlive the landmark.
   void add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& bearing, common::Nanoseconds stamp);
   /// Enters a landmark of a saved map: it helps to find the pose but is not estimated. Its uncertainty enters as noise
   /// of its measurements (Schmidt's consider filter with the correlation between pose and map left out: a saved map has
@@ -141,27 +146,40 @@ class Ekf {
   std::optional<Eigen::Vector3d> likely_position(LandmarkId landmark) const;
 
  private:
+  enum class LandmarkForm { kWaiting, kInverseDepth, kPoint, kFixed };
+
   struct FilterLandmark {
-    BlockId block = 0;
-    bool anchored = true;
-    std::size_t anchor_pose = 0;  // block of the past pose
-    Anchor anchor;
-    std::optional<MapPoint> fixed = {};  // of a saved map: no block of the state
+    LandmarkForm form = LandmarkForm::kInverseDepth;
+    BlockId block = 0;        // where in_state()
+    BlockId anchor_pose = 0;  // block of the past pose, where anchored()
+    Anchor anchor = {};
+    Bearing first = {};          // while it waits
+    double inverse_depth = 0.0;  // while it waits: where to look for it
+    MapPoint fixed = {};         // of a saved map
+
+    bool anchored() const { return form == LandmarkForm::kWaiting || form == LandmarkForm::kInverseDepth; }
+    bool in_state() const { return form == LandmarkForm::kInverseDepth || form == LandmarkForm::kPoint; }
   };
 
-  /// The landmark's numbers: from the state, or those of a saved map.
-  Eigen::Vector3d numbers_of(const FilterLandmark& landmark) const;
   std::optional<Projection> project(const Camera& camera, const FilterLandmark& landmark,
                                     const BodyPose& row_shift) const;
   std::optional<Prediction> predict(const Camera& camera, const FilterLandmark& landmark,
                                     const BodyPose& row_shift) const;
   std::optional<LinearMeasurement> linearise(const Camera& camera, const Measurement& measurement) const;
-  std::optional<JacobianPart<2>> lever_part(const Eigen::Vector2d& wrt_lever_scale) const;
+  /// Of the state, of a saved map, or, while it waits, (u, v, rho) of its first sight.
+  Eigen::Vector3d numbers_of(const FilterLandmark& landmark) const;
+  /// The part of a derivative by the logarithm of the lever scale, where that is a number of the state.
+  template <int Rows>
+  std::optional<JacobianPart<Rows>> lever_part(const Eigen::Matrix<double, Rows, 1>& wrt_lever_scale) const;
+  void correct(const Camera& camera, std::span<const Measurement> measurements, UpdateReport& report);
+  bool starts_delayed() const;
+  bool pair_up(const Camera& camera, const Measurement& measurement);
   std::vector<bool> which_depths_count(std::span<const Measurement> measurements,
                                        std::span<const std::size_t> accepted) const;
   bool depth_is_known(const FilterLandmark& landmark) const;
   void ignore_parallax(LinearMeasurement& linear) const;
   void learn_depth(const Camera& camera, const Measurement& measurement);
+  BlockId append_inverse_depth(const Bearing& bearing);
   PastPose& past_pose_now(common::Nanoseconds stamp);
   PastPose& past_pose_of(BlockId block);
   void remove_blocks(std::vector<BlockId> blocks);

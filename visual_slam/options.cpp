@@ -151,6 +151,16 @@ void FilterOptions::describe(OptionVisitor& visit) {
              "Relative uncertainty of the inverse depth above which parallax only teaches the landmark its depth.");
   visit.real("linearity_index", linearity_index, {0.0, 1.0}, "",
              "A landmark becomes Cartesian when its index of linearity falls below this.");
+  visit.choice("initialisation", initialisation,
+               {{"inverse_depth", InitialisationKind::kInverseDepth},
+                {"well_conditioned_pair", InitialisationKind::kWellConditionedPair}},
+               "How a landmark enters: by inverse depth at first sight, or as a point once two sights of it fix its "
+               "place. Without odometry the first landmarks always enter by inverse depth.");
+  visit.real("max_divergence", max_divergence, {0.0001, 10.0}, "",
+             "A pair of sights is well-conditioned when the Kullback-Leibler divergence of the landmark's distribution "
+             "from a Gaussian is below this.");
+  visit.integer("divergence_samples", divergence_samples, {2, 100000}, "",
+                "Samples of the noise that divergence is computed from.");
   visit.real("gate_probability", gate_probability, {0.5, 0.99999}, "",
              "Share of right measurements the chi-square gate lets pass.");
   visit.integer(

@@ -145,6 +145,10 @@ struct RelocalisationOptions {
   void describe(common::OptionVisitor& visit);
 };
 
+/// How a landmark enters the filter: by inverse depth when it is seen first (seed 002 section 2.3), or as a point once
+/// two sights of it fix its place (seed 000 section II.E).
+enum class InitialisationKind { kInverseDepth, kWellConditionedPair };
+
 /// The extended Kalman filter.
 struct FilterOptions {
   double pixel_sigma = 1.0;            ///< [px]
@@ -152,6 +156,9 @@ struct FilterOptions {
   double inverse_depth_sigma = 0.4;    ///< [1/m]
   double known_depth = 0.2;
   double linearity_index = 0.10;
+  InitialisationKind initialisation = InitialisationKind::kInverseDepth;
+  double max_divergence = 0.2;
+  int divergence_samples = 200;
   double gate_probability = 0.99;
   int iterations = 1;
   int min_known_depths = 6;

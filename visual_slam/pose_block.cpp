@@ -56,6 +56,23 @@ BlockId append_copy(State& state, BlockId block) {
   return state.append(state.mean(block), state.kind(block), copy, Eigen::MatrixXd::Zero(size, size));
 }
 
+RelativeMotion relative_motion(const State& state, BlockId from, BlockId to) {
+  const BodyPose here = body_pose(state, from), there = body_pose(state, to);
+  const Eigen::Matrix3d to_here = here.rotation.transpose();
+  Eigen::Matrix<double, 6, 6> by_there = Eigen::Matrix<double, 6, 6>::Zero();
+  by_there.topLeftCorner<3, 3>() = by_there.bottomRightCorner<3, 3>() = to_here;
+  Eigen::Matrix<double, 6, 6> by_here = -by_there;
+  by_here.topRightCorner<3, 3>() = to_here * cross_matrix(there.position - here.position);
+  const JacobianPart<6> parts[] = {pose_part(state, from, by_here), pose_part(state, to, by_there)};
+  RelativeMotion result{here.inverse() * there, Eigen::Matrix<double, 6, 6>::Zero()};
+  for (const auto& row : parts) {
+    for (const auto& column : parts) {
+      result.covariance += row.matrix * state.covariance(row.block, column.block) * column.matrix.transpose();
+    }
+  }
+  return result;
+}
+
 void set_planar_pose(State& state, BlockId block, const common::Pose2& pose, const Eigen::Matrix3d& covariance) {
   if (!is_free(state, block)) {
     state.transform(block, pose.vector(), BlockKind::kPose, {}, covariance);

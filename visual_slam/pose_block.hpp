@@ -30,6 +30,13 @@ void set_planar_pose(State& state, BlockId block, const common::Pose2& pose, con
 /// Enters a copy of a pose: the past pose it will have been.
 BlockId append_copy(State& state, BlockId block);
 
+/// The pose of one block in another's, and its covariance by its six numbers, see BodyPose, in the axes of `from`.
+struct RelativeMotion {
+  BodyPose motion;
+  Eigen::Matrix<double, 6, 6> covariance;
+};
+RelativeMotion relative_motion(const State& state, BlockId from, BlockId to);
+
 /// A derivative by the six numbers of a pose, see BodyPose, as the part for a pose block.
 template <int Rows>
 JacobianPart<Rows> pose_part(const State& state, BlockId block, const Eigen::Matrix<double, Rows, 6>& wrt_pose) {

@@ -96,6 +96,7 @@ int main(int argc, char** argv) {
   for (int run = 0; run < runs; ++run) {
     BearingSimulation simulation(1000U + static_cast<unsigned>(run), numbers[1], path, points, kReach);
     visual_slam::Ekf filter(options.filter, options.motion);
+    simulation.assumed_pixel_sigma = options.filter.pixel_sigma;
     simulation.max_landmarks = static_cast<std::size_t>(options.map.max_landmarks);
     for (std::size_t i = 1; !simulation.done(); ++i) {
       simulation.step(filter);

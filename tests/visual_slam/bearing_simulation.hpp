@@ -66,7 +66,8 @@ class BearingSimulation {
   int outliers_every = 0;  ///< each so many measurements one is wrong; 0 = none
   int outliers_made = 0;
   int outliers_accepted = 0;
-  std::size_t max_landmarks = 1000;  ///< above this, those longest unseen go
+  double assumed_pixel_sigma = kPixelSigma;  ///< what the filter is told of the noise
+  std::size_t max_landmarks = 1000;          ///< above this, those longest unseen go
 
   /// The systematic errors of these wheels.
   const OdometryCalibration& calibration() const { return calibration_; }
@@ -103,9 +104,9 @@ class BearingSimulation {
       if (filter.has(id)) {
         wrong.push_back(outliers_every > 0 && ++count_ % outliers_every == 0);
         if (wrong.back()) measured += Eigen::Vector2d(40.0, -25.0);
-        known.push_back({id, make_bearing(camera, measured, kPixelSigma, Eigen::Vector3d::Zero())});
+        known.push_back({id, make_bearing(camera, measured, assumed_pixel_sigma, Eigen::Vector3d::Zero())});
       } else if (known.size() + fresh.size() < kFeatures) {
-        fresh.push_back({id, make_bearing(camera, measured, kPixelSigma, Eigen::Vector3d::Zero())});
+        fresh.push_back({id, make_bearing(camera, measured, assumed_pixel_sigma, Eigen::Vector3d::Zero())});
       }
     }
     const UpdateReport report = filter.update(camera, known);
