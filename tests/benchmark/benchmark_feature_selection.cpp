@@ -6,6 +6,7 @@
 // Run k begins 2 k seconds after the recording's start and lasts until 20 s before its end plus 2 k seconds. Pictures
 // of the known objects are cut out of images of another recording of the same place, sim/flat_second_visit, into a
 // temporary folder. Time is the processor's, of one thread.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -44,9 +45,6 @@ const CutOut kCutOuts[] = {
     {"moon", "cam1", 200, {154, 25, 141, 169}},     {"rocket", "cam0", 80, {88, 113, 103, 71}},
     {"retina", "cam0", 100, {360, 23, 154, 168}},
 };
-
-constexpr double kStep = 2.0;    // [s] between the starts of two runs
-constexpr double kSpare = 20.0;  // [s] left out at the end of the first
 
 int fail(const std::string& message) {
   std::fprintf(stderr, "%s\n", message.c_str());
@@ -141,31 +139,40 @@ std::pair<double, double> spread(const std::vector<Run>& runs, double Run::*numb
   return {mean, runs.size() > 1 ? std::sqrt(squares / static_cast<double>(runs.size() - 1)) : 0.0};
 }
 
-/// What it costs to make the regions of an image, mean over the recording's images [ms].
-double region_cost(const VisualMessages& recording, const visual_slam::FeatureSelection& selection) {
+/// The regions of an image, means over the recording's images.
+struct Regions {
+  double milliseconds = 0.0, objects = 0.0, share = 0.0;
+};
+
+Regions regions_of(const VisualMessages& recording, const visual_slam::FeatureSelection& selection) {
   constexpr int kEvery = 8;
   int images = 0, number = 0;
-  double sum = 0.0;
+  Regions sum;
   for (const common::SensorMessage& message : recording.messages) {
     const auto* image = std::get_if<common::Image>(&message);
     if (image == nullptr || number++ % kEvery != 0) continue;
     const cv::Mat picture(image->height, image->width, CV_8UC1, const_cast<std::uint8_t*>(image->pixels->data()));
     const double start = processor_milliseconds();
-    selection.select(picture);
-    sum += processor_milliseconds() - start;
+    const visual_slam::SelectedRegion selected = selection.select(picture);
+    sum.milliseconds += processor_milliseconds() - start;
+    sum.objects += static_cast<double>(selected.objects.size());
+    sum.share += selected.mask.empty()
+                     ? 1.0
+                     : static_cast<double>(cv::countNonZero(selected.mask)) / static_cast<double>(picture.total());
     ++images;
   }
-  return sum / images;
+  return {sum.milliseconds / images, sum.objects / images, sum.share / images};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 5) {
-    return fail("usage: benchmark_feature_selection RECORDING CAMERAS OBJECT_RECORDING RUNS [visual.key=value ...]");
+  if (argc < 6) {
+    return fail(
+        "usage: benchmark_feature_selection RECORDING CAMERAS OBJECT_RECORDING RUNS SECONDS [visual.key=value ...]");
   }
   visual_slam::VisualSlamOptions options;
-  for (int i = 5; i < argc; ++i) {
+  for (int i = 6; i < argc; ++i) {
     const auto set = common::set_option(
         argv[i], [&](common::OptionVisitor& visit) { visit.nested("visual", options, "Visual SLAM."); });
     if (!set) return fail(set.error().message);
@@ -181,11 +188,13 @@ int main(int argc, char** argv) {
     objects.fill(*other);
   }
   options.selection.objects = objects.path();
-  const int runs = std::atoi(argv[4]);
+  const int runs = std::max(1, std::atoi(argv[4]));
+  const double seconds = std::atof(argv[5]);
   const double duration = common::to_seconds(common::stamp_of(recording->messages.back()) - recording->first_stamp);
 
   std::printf(
-      "strategy   error online (sd) [m]   final (sd) [m]   coverage   features   ms an image   ms its regions\n");
+      "strategy   error online (sd) [m]   final (sd) [m]   coverage   features   ms an image   its regions: ms, "
+      "objects, share\n");
   using visual_slam::SelectionStrategy;
   for (const auto& [name, strategy] :
        {std::pair{"none", SelectionStrategy::kNone}, std::pair{"bottom_up", SelectionStrategy::kBottomUp},
@@ -195,7 +204,8 @@ int main(int argc, char** argv) {
     if (!selection) return fail(selection.error().message);
     std::vector<Run> all;
     for (int k = 0; k < runs; ++k) {
-      const auto one = run(*recording, *truth, options, kStep * k, duration - kSpare + kStep * k);
+      const double from = runs > 1 ? k * std::max(0.0, duration - seconds) / (runs - 1) : 0.0;
+      const auto one = run(*recording, *truth, options, from, from + seconds);
       if (!one) return fail(one.error().message);
       std::fprintf(stderr, "%s run %d: %.4f m, %.4f m, %.2f ms\n", name, k, one->ate, one->final_ate,
                    one->milliseconds);
@@ -203,9 +213,10 @@ int main(int argc, char** argv) {
     }
     const auto [ate, ate_sd] = spread(all, &Run::ate);
     const auto [final_ate, final_sd] = spread(all, &Run::final_ate);
-    std::printf("%-10s %.4f (%.4f)   %.4f (%.4f)   %.4f   %.1f   %.2f   %.2f\n", name, ate, ate_sd, final_ate, final_sd,
-                spread(all, &Run::coverage).first, spread(all, &Run::features).first,
-                spread(all, &Run::milliseconds).first, region_cost(*recording, *selection));
+    const Regions regions = regions_of(*recording, *selection);
+    std::printf("%-10s %.4f (%.4f)   %.4f (%.4f)   %.4f   %.1f   %.2f   %.2f %.2f %.2f\n", name, ate, ate_sd, final_ate,
+                final_sd, spread(all, &Run::coverage).first, spread(all, &Run::features).first,
+                spread(all, &Run::milliseconds).first, regions.milliseconds, regions.objects, regions.share);
     std::fflush(stdout);
   }
   return EXIT_SUCCESS;
