@@ -21,13 +21,13 @@ constexpr std::string_view kLoopbackConfig =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/></Interfaces></General>"
     "</Domain></CycloneDDS>";
 
-// A sample is put together in memory before anybody sees it, so what a stranger may send is bounded here: the largest map
-// and picture that make sense, by far.
+// A sample is put together in memory before anybody sees it, so what a stranger may send is bounded here: the largest
+// map and picture that make sense, by far.
 constexpr std::string_view kSizeConfig =
     "<CycloneDDS><Domain><Internal><MaxSampleSize>128MB</MaxSampleSize></Internal></Domain></CycloneDDS>";
 
-// A comma-separated list of files and fragments, later ones first in rank: CYCLONEDDS_URI may change our size, not where
-// we are.
+// A comma-separated list of files and fragments, later ones first in rank: CYCLONEDDS_URI may change our size, not
+// where we are.
 std::string configuration(bool loopback_only) {
   std::string config(kSizeConfig);
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri != nullptr && *uri != '\0') config += "," + std::string(uri);
