@@ -31,6 +31,7 @@ void AlignmentKeeper::forget(common::PoseSource source) {
   path_ = 0.0;
   next_path_ = 0.0;
   laser_closed_loop_ = visual_closed_loop_ = false;
+  assumed_.reset();
   accepted_.reset();
   last_.reset();
 }

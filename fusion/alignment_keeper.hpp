@@ -35,6 +35,14 @@ class AlignmentKeeper {
   /// The map of one half started anew: its poses, and every alignment to them, are void.
   void forget(common::PoseSource source);
 
+  /// Uses an alignment of earlier as long as none fits better.
+  void assume(const Alignment& alignment) {
+    assumed_ = alignment;
+    accepted_ = alignment;
+  }
+  /// The one of earlier; nothing once it is void.
+  const std::optional<Alignment>& assumed() const { return assumed_; }
+
   /// Aligns when it is due. Returns the attempt, if there was one.
   std::optional<Alignment> update();
   /// Aligns now.
@@ -56,6 +64,7 @@ class AlignmentKeeper {
   double next_path_ = 0.0;  ///< at which the next attempt is due; 0 before the first
   bool laser_closed_loop_ = false;
   bool visual_closed_loop_ = false;
+  std::optional<Alignment> assumed_;
   std::optional<Alignment> accepted_;
   std::optional<Alignment> last_;
 };

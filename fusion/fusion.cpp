@@ -454,6 +454,11 @@ FusionOutput Fusion::process(const PoseEstimate& estimate) {
   return output;
 }
 
+void Fusion::assume(const Alignment& alignment) {
+  state_->keeper.assume(alignment);
+  state_->bridge.use(state_->keeper.accepted());
+}
+
 FusionOutput Fusion::align_now() {
   FusionOutput output;
   state_->report(state_->keeper.align(), output);
@@ -467,6 +472,7 @@ FusionResult Fusion::finish(const common::Trajectory2& laser_final, const common
   const auto visual = anchors_of(visual_final, PoseSource::kVisual, s.received);
   FusionResult result;
   result.alignment = align_trajectories(path_of(laser), path_of(visual), s.options.alignment);
+  if (!result.alignment.accepted && s.keeper.assumed()) result.alignment = *s.keeper.assumed();
 
   std::vector<PathAnchor> anchors = laser;
   if (s.map_frame == PoseSource::kVisual) {

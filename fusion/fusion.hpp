@@ -58,6 +58,9 @@ class Fusion {
   FusionOutput process(const common::WheelOdometry& odometry);
   /// The next pose of the laser or the visual half, in arrival order; it may be older than the newest odometry.
   FusionOutput process(const common::PoseEstimate& estimate);
+  /// Takes an alignment of earlier: both halves are in saved maps. It holds until one that fits better is found, and at
+  /// the end when the final paths are refused.
+  void assume(const Alignment& alignment);
   /// Aligns with all that was collected so far, as the service `align_now` asks.
   FusionOutput align_now();
   /// Final alignment on the halves' final paths (either may be empty) and the path as known at the end.

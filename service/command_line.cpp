@@ -139,13 +139,14 @@ class RunFlags {
     configuration_.add_to(*command_);
     recording_.add_to(*command_);
     command_
-        ->add_option("--mode", mode_,
-                     "slam: make a map; localization: the laser finds itself in --map, which stays as it is, while "
-                     "visual SLAM makes a new map of its own that is aligned to it")
+        ->add_option(
+            "--mode", mode_,
+            "slam: make a map; localization: laser and visual SLAM find themselves in --map, which stays as it "
+            "is; without landmarks in it visual SLAM makes a new map of its own that is aligned to it")
         ->check(CLI::IsMember({"slam", "localization"}))
         ->capture_default_str();
     command_->add_option("--map", map_,
-                         "Map bundle of an earlier run, to continue its laser map or to localise in it; localization "
+                         "Map bundle of an earlier run, to continue its maps or to localise in them; localization "
                          "takes a map of Nav2 as well (its YAML file, or its folder)");
     command_->add_option("--modules", request_.modules, "Which halves run: laser,visual (default: all with a sensor)")
         ->delimiter(',')

@@ -80,7 +80,7 @@ common::Result<std::string> describe_map(const fs::path& path) {
                         bundle->grid->resolution);
   }
   text += fmt::format("  {} visual landmarks, {}\n", bundle->landmarks.size(),
-                      summary.aligned ? "aligned with the laser map" : "not aligned with the laser map");
+                      summary.alignment ? "aligned with the laser map" : "not aligned with the laser map");
   for (const auto& file : summary.files) text += fmt::format("  {:<20} {:>10} bytes, intact\n", file.name, file.bytes);
   return text;
 }

@@ -16,15 +16,21 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the bytes are written as they lie in memory");
 
 constexpr std::string_view kMagic = "SFLANDMK";
-constexpr std::uint32_t kVersion = 2;
-constexpr std::uint32_t kWithoutObjects = 1;  // the version before, still read
+constexpr std::uint32_t kVersion = 3;  // with views
+constexpr std::uint32_t kWithObjects = 2;
+constexpr std::uint32_t kOldest = 1;
 constexpr std::size_t kHeaderSize = kMagic.size() + 4 + 8 + 4;
-/// The bytes of a landmark without a descriptor and, before version 2, an object.
+/// The bytes of a landmark of the oldest version without a descriptor.
 constexpr std::size_t kSmallestLandmark = 8 + 3 * 8 + 9 * 8 + 1 + 4 + 4;
 
 template <class T>
 void append(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void append_bytes(std::string& bytes, const std::vector<std::uint8_t>& value) {
+  append(bytes, static_cast<std::uint32_t>(value.size()));
+  bytes.append(value.begin(), value.end());
 }
 
 /// Takes values off the front; `ok` turns false when the bytes run out.
@@ -66,10 +72,28 @@ void append_landmark(std::string& bytes, const common::Landmark& landmark) {
   }
   append(bytes, landmark.gray);
   append(bytes, static_cast<std::int32_t>(landmark.observations));
-  append(bytes, static_cast<std::uint32_t>(landmark.descriptor.size()));
-  bytes.append(landmark.descriptor.begin(), landmark.descriptor.end());
+  append_bytes(bytes, landmark.descriptor);
   append(bytes, static_cast<std::uint32_t>(landmark.object.size()));
   bytes += landmark.object;
+  append(bytes, static_cast<std::uint32_t>(landmark.views.size()));
+  for (const common::LandmarkView& view : landmark.views) {
+    for (int i = 0; i < 3; ++i) append(bytes, view.direction(i));
+    append_bytes(bytes, view.descriptor);
+    append_bytes(bytes, view.patch);
+  }
+}
+
+std::vector<std::uint8_t> take_bytes(Reader& reader) {
+  const std::string_view bytes = reader.take(reader.take<std::uint32_t>());
+  return {bytes.begin(), bytes.end()};
+}
+
+common::LandmarkView take_view(Reader& reader) {
+  common::LandmarkView view;
+  for (int i = 0; i < 3; ++i) view.direction(i) = reader.take<double>();
+  view.descriptor = take_bytes(reader);
+  view.patch = take_bytes(reader);
+  return view;
 }
 
 common::Landmark take_landmark(Reader& reader, std::uint32_t version) {
@@ -81,9 +105,11 @@ common::Landmark take_landmark(Reader& reader, std::uint32_t version) {
   }
   landmark.gray = reader.take<std::uint8_t>();
   landmark.observations = reader.take<std::int32_t>();
-  const std::string_view descriptor = reader.take(reader.take<std::uint32_t>());
-  landmark.descriptor.assign(descriptor.begin(), descriptor.end());
-  if (version != kWithoutObjects) landmark.object = reader.take(reader.take<std::uint32_t>());
+  landmark.descriptor = take_bytes(reader);
+  if (version >= kWithObjects) landmark.object = reader.take(reader.take<std::uint32_t>());
+  if (version < kVersion) return landmark;
+  const auto views = reader.take<std::uint32_t>();
+  for (std::uint32_t i = 0; i < views && reader.ok; ++i) landmark.views.push_back(take_view(reader));
   return landmark;
 }
 
@@ -107,8 +133,8 @@ common::Result<std::vector<common::Landmark>> landmarks_from_bytes(std::string_v
   const auto version = header.take<std::uint32_t>();
   const auto length = header.take<std::uint64_t>();
   const auto checksum = header.take<std::uint32_t>();
-  if (version != kVersion && version != kWithoutObjects) {
-    return refused(fmt::format("version {}, this program reads {} and {}", version, kWithoutObjects, kVersion));
+  if (version < kOldest || version > kVersion) {
+    return refused(fmt::format("version {}, this program reads {} to {}", version, kOldest, kVersion));
   }
   if (length != header.bytes.size()) {
     return refused(fmt::format("{} bytes of payload, the header says {}", header.bytes.size(), length));

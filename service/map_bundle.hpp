@@ -52,7 +52,7 @@ struct MapBundleSummary {
   std::uint64_t seed = 0;
   std::string recording;
   bool incomplete = false;
-  bool aligned = false;  ///< landmarks.ply is in the laser map's frame
+  std::optional<fusion::Alignment> alignment;  ///< of the visual with the laser map, if it was accepted
   std::vector<MapBundleFile> files;
 };
 

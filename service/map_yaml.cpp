@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <exception>
 #include <sstream>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Core>
+#include "common/angle.hpp"
 #include "service/checksum.hpp"
 
 namespace slamfuse::service {
@@ -22,6 +24,8 @@ constexpr const char* kFormat = "slamfuse map";
 constexpr int kFormatVersion = 1;
 
 /// All digits, so that a reader gets the same number back.
+constexpr double kSavedVariance = 0.02 * 0.02;  // [m^2] of a saved mapping's translation, whose own is not in the file
+
 std::string row_major(const Eigen::Matrix4d& matrix) {
   std::string text = "[";
   for (int i = 0; i < 16; ++i) text += fmt::format("{}{}", i == 0 ? "" : ", ", matrix(i / 4, i % 4));
@@ -100,6 +104,30 @@ std::uint32_t parse_crc(const std::string& text) {
   return value;
 }
 
+/// What a link says of the alignment, which was accepted.
+fusion::Alignment alignment_of(const YAML::Node& link) {
+  const auto numbers = link["G_LV"].as<std::vector<double>>();
+  if (numbers.size() != 16) throw YAML::Exception(link["G_LV"].Mark(), "G_LV: 16 numbers are needed");
+  const Eigen::Matrix4d matrix = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+  fusion::Alignment alignment;
+  alignment.accepted = true;
+  alignment.reason = "as saved with the map";
+  alignment.map = {matrix.topLeftCorner<2, 2>(), matrix.topRightCorner<2, 1>()};
+  alignment.heading_offset = link["heading_offset"].as<double>();
+  if (!alignment.map.is_finite() || !std::isfinite(alignment.heading_offset) ||
+      !(alignment.map.linear.determinant() > 0.0)) {
+    throw YAML::Exception(link["G_LV"].Mark(), "G_LV: no mapping of one plane to another");
+  }
+  alignment.mapping = fusion::to_mapping_matrix(alignment.map);
+  const fusion::AffineParts parts = fusion::take_apart(alignment.map);
+  alignment.scale = parts.scale;
+  alignment.scale_along_laser_axes = parts.scale_along_target_axes;
+  alignment.mean_scale = parts.mean_scale;
+  alignment.rotation_deg = common::to_degrees(parts.rotation);
+  alignment.covariance.bottomRightCorner<2, 2>() = kSavedVariance * Eigen::Matrix2d::Identity();
+  return alignment;
+}
+
 MapBundleSummary summary_of(const YAML::Node& root) {
   MapBundleSummary summary;
   summary.program_version = root["slamfuse"].as<std::string>();
@@ -107,7 +135,7 @@ MapBundleSummary summary_of(const YAML::Node& root) {
   summary.recording = root["recording"].as<std::string>();
   summary.incomplete = root["incomplete"].as<bool>();
   for (const auto& link : root["links"]) {
-    if (link["verdict"].as<std::string>() == "accepted") summary.aligned = true;
+    if (link["verdict"].as<std::string>() == "accepted") summary.alignment = alignment_of(link);
   }
   for (const auto& file : root["files"]) {
     summary.files.push_back({file["name"].as<std::string>(), file["bytes"].as<std::uintmax_t>(),

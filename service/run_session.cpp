@@ -139,6 +139,7 @@ common::Result<void> RunSession::make_parts() {
   auto fusion = fusion::Fusion::create(options);
   if (!fusion) return tl::unexpected(fusion.error());
   fusion_ = std::move(*fusion);
+  if (saved_alignment_) fusion_->assume(*saved_alignment_);
   return {};
 }
 
@@ -203,12 +204,34 @@ common::Result<void> RunSession::make_visual() {
 }
 
 common::Result<void> RunSession::restore_map() {
-  if (!request_.map || localization_) return {};
-  if (!laser_) return common::usage_error("--map: continuing or localising in a map needs the laser module");
+  if (request_.map && !laser_ && !localization_ && !visual_) {
+    return common::usage_error("--map: continuing or localising in a map needs the laser or the visual module");
+  }
+  if (!request_.map || (localization_ && (!visual_ || !is_map_bundle(*request_.map)))) return {};
   auto bundle = read_map_bundle(*request_.map);
   if (!bundle) return tl::unexpected(bundle.error());
-  if (bundle->laser_state.empty()) return common::invalid_input(request_.map->string() + ": holds no laser map");
-  return laser_->restore(bundle->laser_state);
+  if (laser_) {
+    if (bundle->laser_state.empty()) return common::invalid_input(request_.map->string() + ": holds no laser map");
+    if (auto restored = laser_->restore(bundle->laser_state); !restored) return restored;
+  }
+  return visual_ ? restore_visual_map(*bundle) : common::Result<void>{};
+}
+
+/// A map without landmarks that could be recognised leaves the visual half to make one of its own.
+common::Result<void> RunSession::restore_visual_map(const LoadedMapBundle& bundle) {
+  const bool recognisable = std::any_of(bundle.landmarks.begin(), bundle.landmarks.end(),
+                                        [](const common::Landmark& landmark) { return !landmark.views.empty(); });
+  if (!recognisable || !visual_->can_search()) {
+    if (laser()) return {};
+    return common::invalid_input(request_.map->string() +
+                                 ": holds no landmarks that the visual half could find itself by, and no laser runs");
+  }
+  const bool localise = request_.mode == RunMode::kLocalization;
+  auto loaded =
+      visual_->load(bundle.landmarks, localise ? visual_slam::MapUse::kLocalise : visual_slam::MapUse::kContinue);
+  if (!loaded) return common::invalid_input(request_.map->string() + ": " + loaded.error().message);
+  if (laser()) saved_alignment_ = bundle.summary.alignment;
+  return {};
 }
 
 common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std::atomic<bool>& stop,

@@ -15,6 +15,7 @@
 #include "laser_slam/laser_localization.hpp"
 #include "laser_slam/laser_slam.hpp"
 #include "service/external_poses.hpp"
+#include "service/map_bundle.hpp"
 #include "service/pipeline_observer.hpp"
 #include "service/pipeline_requests.hpp"
 #include "service/run_request.hpp"
@@ -55,6 +56,7 @@ class RunSession {
   common::Result<void> make_visual();
   common::Result<void> check_cameras(const std::vector<std::string>& cameras) const;
   common::Result<void> restore_map();
+  common::Result<void> restore_visual_map(const LoadedMapBundle& bundle);
   /// The laser half, whichever it is; null without one.
   common::SlamModule* laser() const;
   /// The visual half, whichever it is; null without one.
@@ -70,6 +72,7 @@ class RunSession {
   std::set<std::string> free_scale() const;  // trajectories that have no metres
 
   RunRequest request_;
+  std::optional<fusion::Alignment> saved_alignment_;  // when both halves are in the maps of one bundle
   std::unique_ptr<common::Recording> recording_;
   std::unique_ptr<laser_slam::LaserSlam> laser_;  // in mode slam
   std::unique_ptr<laser_slam::LaserLocalization> localization_;

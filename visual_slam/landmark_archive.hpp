@@ -34,6 +34,7 @@ class LandmarkArchive {
 
   bool contains(LandmarkId landmark) const { return entries_.contains(landmark); }
   std::size_t size() const { return entries_.size(); }
+  common::Nanoseconds last_seen(LandmarkId landmark) const { return entries_.at(landmark).archived.last_seen; }
   void clear();
 
   /// Keeps a landmark that is still in the filter. Returns the one that had to go for it, if one had.

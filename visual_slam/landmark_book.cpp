@@ -10,6 +10,13 @@
 #include "visual_slam/descriptor.hpp"
 
 namespace slamfuse::visual_slam {
+namespace {
+
+// Landmarks that were archived share errors beyond that of their keyframe (of depth, above all) that are no longer
+// known. Taken for independent they would say too much together, so each counts for less.
+constexpr double kSharedError = 4.0;  // times the covariance
+
+}  // namespace
 
 std::optional<Eigen::Vector2d> predict_pixel(const Ekf& filter, const Camera& camera, LandmarkId landmark,
                                              const BodyPose& row_shift) {
@@ -118,7 +125,7 @@ std::vector<Track> LandmarkBook::recall(Ekf& filter, const Camera& camera, const
     if (!found) continue;
     const ArchivedLandmark archived = archive_.take(filter, found->id);
     filter.add_point(found->id, archived.landmark.position, *filter.keyframe_at(archived.keyframe),
-                     archived.relative_covariance);
+                     kSharedError * archived.relative_covariance);
     Record record;
     record.found = archived.landmark.observations;
     record.last_seen = archived.last_seen;
@@ -229,6 +236,15 @@ void LandmarkBook::archive(const Ekf& filter, std::span<const LandmarkId> leavin
     const std::optional<LandmarkId> gone = archive_.add(filter, std::move(*known), record.last_seen);
     if (gone && *gone != id) recogniser_.forget(*gone);
   }
+}
+
+std::vector<common::Landmark> LandmarkBook::unseen_since(const Ekf& filter, common::Nanoseconds stamp) const {
+  std::vector<common::Landmark> old = landmarks(filter);
+  std::erase_if(old, [&](const common::Landmark& landmark) {
+    const auto record = records_.find(landmark.id);
+    return (record != records_.end() ? record->second.last_seen : archive_.last_seen(landmark.id)) >= stamp;
+  });
+  return old;
 }
 
 std::vector<common::Landmark> LandmarkBook::landmarks(const Ekf& filter) const {

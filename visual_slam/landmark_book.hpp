@@ -60,6 +60,8 @@ class LandmarkBook {
   void archive(const Ekf& filter, std::span<const LandmarkId> leaving);
   /// The landmarks that have left the filter; their places follow the keyframes.
   LandmarkArchive& archived() { return archive_; }
+  /// Those of them that have not been seen since a stamp.
+  std::vector<common::Landmark> unseen_since(const Ekf& filter, common::Nanoseconds stamp) const;
   /// All landmarks of known place: those of the filter, then the archived ones.
   std::vector<common::Landmark> landmarks(const Ekf& filter) const;
 

@@ -142,6 +142,14 @@ void RelocalisationOptions::describe(OptionVisitor& visit) {
   visit.integer("max_images", max_images, {1, 1000}, "", "...and at most so many.");
 }
 
+void LoopOptions::describe(OptionVisitor& visit) {
+  visit.flag("enabled", enabled, "Ask now and then whether an old part of the map is seen from elsewhere.");
+  visit.real("interval", interval, {0.05, 60.0}, "s", "So often an image is looked at.");
+  visit.real("min_age", min_age, {1.0, 3600.0}, "s", "Landmarks unseen for this long are an old part of the map.");
+  visit.real("max_drift", max_drift, {0.0, 1.0}, "", "Share of the way driven the pose may have drifted.");
+  visit.real("max_turn_drift", max_turn_drift, {0.0, 180.0}, "deg", "The heading may have drifted so far.");
+}
+
 void FilterOptions::describe(OptionVisitor& visit) {
   visit.real("pixel_sigma", pixel_sigma, {0.05, 20.0}, "px", "Noise of a measured feature position.");
   visit.real("initial_inverse_depth", initial_inverse_depth, {0.001, 10.0}, "1/m",
@@ -210,6 +218,7 @@ void VisualSlamOptions::describe(OptionVisitor& visit) {
   visit.nested("turn_search", turn_search, "Where features are looked for after a turn without wheel odometry.");
   visit.nested("recognition", recognition, "How lost landmarks are found again.");
   visit.nested("relocalisation", relocalisation, "How the pose is found in the whole map.");
+  visit.nested("loop", loop, "How loops are closed whose drift is beyond the search regions.");
   visit.nested("filter", filter, "The extended Kalman filter.");
   visit.nested("map", map, "Which landmarks and poses stay in the state.");
   visit.nested("tracking", tracking, "When the estimate is called uncertain or lost.");

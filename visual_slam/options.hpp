@@ -145,6 +145,17 @@ struct RelocalisationOptions {
   void describe(common::OptionVisitor& visit);
 };
 
+/// How loops are closed whose drift is beyond the filter's search regions.
+struct LoopOptions {
+  bool enabled = true;
+  double interval = 0.5;  ///< [s]
+  double min_age = 20.0;  ///< [s]
+  double max_drift = 0.1;
+  double max_turn_drift = 25.0;  ///< [deg]
+
+  void describe(common::OptionVisitor& visit);
+};
+
 /// How a landmark enters the filter: by inverse depth when it is seen first (seed 002 section 2.3), or as a point once
 /// two sights of it fix its place (seed 000 section II.E).
 enum class InitialisationKind { kInverseDepth, kWellConditionedPair };
@@ -207,6 +218,7 @@ struct VisualSlamOptions {
   TurnSearchOptions turn_search;
   RecognitionOptions recognition;
   RelocalisationOptions relocalisation;
+  LoopOptions loop;
   FilterOptions filter;
   MapOptions map;
   TrackingOptions tracking;

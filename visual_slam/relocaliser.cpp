@@ -66,7 +66,7 @@ std::vector<Relocaliser::Match> Relocaliser::match(const LandmarkIndex& index, c
                           .ray = (glimpse.camera->R_base_camera * bearing.point.homogeneous()).normalized(),
                           .landmark = landmark.position,
                           .landmark_variance = landmark.variance};
-    matches.push_back({seen_from(in_camera, bearing.row_shift), one.landmark});
+    matches.push_back({seen_from(in_camera, bearing.row_shift), landmark.id});
   }
   return matches;
 }
@@ -92,7 +92,7 @@ bool Relocaliser::agrees(const Sight& sight, const Pose2& pose) const {
 
 Relocaliser::Hypothesis Relocaliser::judge(const std::vector<Evidence>& evidence, const Pose2& pose) const {
   Hypothesis result{pose, 0, 0.0};
-  std::vector<int> seen;
+  std::vector<std::int64_t> seen;
   const double cut = options_.inlier_radius * pixel_;
   for (const Evidence& one : evidence) {
     result.error += std::min(sight_error(one.sight, pose), cut);

@@ -60,7 +60,7 @@ class Relocaliser {
  private:
   struct Match {
     Sight sight;  // in base_link at its own image
-    int landmark;
+    std::int64_t landmark;
   };
   struct Image {
     common::Nanoseconds stamp;
@@ -70,7 +70,7 @@ class Relocaliser {
   /// A match in base_link at the newest image.
   struct Evidence {
     Sight sight;
-    int landmark;
+    std::int64_t landmark;
     int image;
   };
   struct Hypothesis {

@@ -18,6 +18,7 @@
 #include "visual_slam/image_clock.hpp"
 #include "visual_slam/image_sampler.hpp"
 #include "visual_slam/landmark_book.hpp"
+#include "visual_slam/loop_search.hpp"
 #include "visual_slam/observation_log.hpp"
 #include "visual_slam/path_recorder.hpp"
 #include "visual_slam/place_search.hpp"
@@ -55,6 +56,7 @@ class VisualSlam::Implementation {
         turn_search_(options.turn_search, cameras.size()),
         book_(options),
         search_(options.relocalisation, seed),
+        loop_search_(options.loop, options.relocalisation, seed),
         monitor_(options.tracking),
         observations_(options.map),
         filter_(options.filter, options.motion) {
@@ -86,13 +88,9 @@ class VisualSlam::Implementation {
   bool can_search() const { return options_.relocalisation.enabled && filter_.is_planar(); }
 
   void load(const std::vector<common::Landmark>& map, MapUse use) {
+    localising_ = false;
     if (newest_) reset();
-    localising_ = use == MapUse::kLocalise;
-    for (const common::Landmark& landmark : map) {
-      book_.restore(landmark);
-      filter_.add_fixed_landmark(landmark.id, {landmark.position, landmark.covariance});
-    }
-    doubt_pose();
+    take_map(map, use);
   }
 
   common::Trajectory3 spatial_trajectory() const { return path_.path(filter_); }
@@ -154,6 +152,15 @@ class VisualSlam::Implementation {
     return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels->data())};
   }
 
+  void take_map(const std::vector<common::Landmark>& map, MapUse use) {
+    localising_ = use == MapUse::kLocalise;
+    for (const common::Landmark& landmark : map) {
+      book_.restore(landmark);
+      filter_.add_fixed_landmark(landmark.id, {landmark.position, landmark.covariance});
+    }
+    doubt_pose();
+  }
+
   /// Why an image cannot be used; empty when it can.
   std::optional<std::string> refuse(const common::Image& image) const {
     const std::optional<std::size_t> index = camera_index(image.sensor);
@@ -207,12 +214,13 @@ class VisualSlam::Implementation {
     account(seeing, seen, report, events);
     if (!localising_) {
       book_.learn_looks(filter_, seeing.camera, picture, seeing.tracks);
-      keep_pose(image.stamp);
+      if (!pose_doubted_) keep_pose(image.stamp);
     }
     evidence.inliers = report.inliers;
     evidence.textured = has_texture(seeing, evidence.inliers);
     judge(evidence, events);
     search_map(seeing, picture);
+    close_loop(seeing, picture, events);
     const std::size_t known = seeing.tracks.size();
     if (!localising_ && map_may_grow()) add_features(seeing, picture);
     remember(seeing, image, seen, report, followed, known);
@@ -383,6 +391,28 @@ class VisualSlam::Implementation {
     }
   }
 
+  /// Corrects the pose, and with it the map, by an old part of the map that is seen from where it should not be.
+  void close_loop(const CameraTracks& seeing, const cv::Mat& picture, std::vector<common::Event>& events) {
+    if (!can_search() || localising_) return;
+    if (monitor_.state() != common::TrackingState::kTracking) {
+      loop_search_.clear();
+      return;
+    }
+    if (!loop_search_.is_due(*newest_)) return;
+    const std::vector<Eigen::Vector2d> features =
+        front_end_->detect(index_of(seeing), {}, options_.relocalisation.features, cv::Mat());
+    const Glimpse glimpse{*newest_, odometry_pose_, &seeing.camera, twist_, filter_.lever_scale()};
+    const auto old_map = [this](Nanoseconds stamp) { return book_.unseen_since(filter_, stamp); };
+    const auto found = loop_search_.look(old_map, glimpse, filter_.pose(), picture, features);
+    if (!found || filter_.distance_to(found->pose, found->covariance) < kCarriedAway) return;
+    const Pose2 drift = filter_.pose().inverse() * found->pose;
+    filter_.correct_pose(found->pose, found->covariance);
+    loop_search_.clear();
+    events.push_back(event(
+        "loop_closed", fmt::format("{} old landmarks say the pose drifted by {:.2f} m and {:.1f} deg", found->landmarks,
+                                   drift.translation().norm(), common::to_degrees(drift.theta))));
+  }
+
   void relocalise() {
     if (!can_search()) {
       waiting_events_.push_back(
@@ -504,20 +534,23 @@ class VisualSlam::Implementation {
     last_keyframe_.reset();
   }
 
+  /// A map to localise in is the user's and stays.
   void reset() {
+    const std::vector<common::Landmark> map = localising_ ? landmarks() : std::vector<common::Landmark>();
     path_.freeze(filter_);
     filter_ = Ekf(options_.filter, options_.motion);
     book_.clear();
     observations_.clear();
     search_.end();
+    loop_search_.clear();
     pose_doubted_ = false;
-    localising_ = false;
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
     last_loop_.reset();
     monitor_ = TrackingMonitor(options_.tracking);
     ++epoch_;
     waiting_events_.push_back(event("map_reset", fmt::format("epoch {} begins", epoch_)));
+    if (localising_) take_map(map, MapUse::kLocalise);
   }
 
   VisualSlamOptions options_;
@@ -528,6 +561,7 @@ class VisualSlam::Implementation {
   TurnSearch turn_search_;  // without wheel odometry
   LandmarkBook book_;
   PlaceSearch search_;
+  LoopSearch loop_search_;
   bool localising_ = false;    // in a saved map, which stays as it is
   bool placed_ = false;        // the pose was found in the whole map since it was lost
   bool pose_doubted_ = false;  // nothing is known of the pose: features are not looked for near it
@@ -563,6 +597,8 @@ common::Result<std::unique_ptr<VisualSlam>> VisualSlam::create(
   return std::unique_ptr<VisualSlam>(
       new VisualSlam(std::make_unique<Implementation>(options, cameras, seed, std::move(*selection))));
 }
+
+bool VisualSlam::can_search() const { return implementation_->can_search(); }
 
 common::Result<void> VisualSlam::load(const std::vector<common::Landmark>& map, MapUse use) {
   if (!implementation_->can_search()) {

@@ -56,6 +56,8 @@ class VisualSlam : public common::SlamModule {
   /// The same with height, pitch and roll, which a free camera has.
   common::Trajectory3 spatial_trajectory() const;
 
+  /// Whether a pose can be found in the whole map: not with a free camera, or when it is switched off.
+  bool can_search() const;
   /// Takes a saved map in place of its own, whose frame holds from now on (after the first image: in a new epoch). The
   /// estimate is LOST until the pose is found in it or set. The map's landmarks are never changed; their uncertainty
   /// counts as noise of their measurements (seed 000 section G). Errors (kInvalidInput): a place that is no number, a

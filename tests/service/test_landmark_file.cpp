@@ -28,6 +28,7 @@ std::vector<common::Landmark> two_landmarks() {
   first.observations = 17;
   first.descriptor = {1, 2, 255};
   first.object = "poster";
+  first.views = {{{1.0, 0.5, -0.25}, {3, 4}, {5, 6, 7}}, {{2.0, 0.0, 0.0}, {}, {}}};
   common::Landmark second;
   second.id = 1LL << 40;
   return {first, second};
@@ -46,6 +47,12 @@ TEST(LandmarkFile, ReadsBackTheSameToTheLastBit) {
     EXPECT_EQ((*read)[i].observations, landmarks[i].observations);
     EXPECT_EQ((*read)[i].descriptor, landmarks[i].descriptor);
     EXPECT_EQ((*read)[i].object, landmarks[i].object);
+    ASSERT_EQ((*read)[i].views.size(), landmarks[i].views.size());
+    for (std::size_t view = 0; view < landmarks[i].views.size(); ++view) {
+      EXPECT_EQ((*read)[i].views[view].direction, landmarks[i].views[view].direction);
+      EXPECT_EQ((*read)[i].views[view].descriptor, landmarks[i].views[view].descriptor);
+      EXPECT_EQ((*read)[i].views[view].patch, landmarks[i].views[view].patch);
+    }
   }
 }
 
@@ -77,8 +84,8 @@ TEST(LandmarkFile, RefusesBytesBehindTheEnd) {
 
 TEST(LandmarkFile, SaysThatANewerVersionIsNewer) {
   std::string bytes = landmarks_to_bytes({});
-  bytes[8] = 3;
-  EXPECT_THAT(landmarks_from_bytes(bytes).error().message, HasSubstr("version 3"));
+  bytes[8] = 4;
+  EXPECT_THAT(landmarks_from_bytes(bytes).error().message, HasSubstr("version 4"));
 }
 
 TEST(LandmarkFile, ReadsTheVersionWithoutObjects) {

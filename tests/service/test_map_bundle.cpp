@@ -69,7 +69,7 @@ TEST_F(MapBundleFiles, AreReadBack) {
   EXPECT_EQ(bundle->summary.program_version, "1.2.3");
   EXPECT_EQ(bundle->summary.seed, 9U);
   EXPECT_EQ(bundle->summary.recording, small_bundle().recording);
-  EXPECT_TRUE(bundle->summary.aligned);
+  ASSERT_TRUE(bundle->summary.alignment);
   EXPECT_FALSE(bundle->summary.incomplete);
   EXPECT_EQ(bundle->laser_state, small_bundle().laser_state);
   EXPECT_EQ(bundle->landmarks.size(), 3U);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <span>
 
 #include "common/recording.hpp"
@@ -137,6 +138,71 @@ TEST_F(VisualSlamTest, AFrozenPictureWhileDrivingIsNotBelieved) {
   const std::vector<PoseEstimate> estimates = run(*slam, messages);
 
   EXPECT_NE(estimates.back().state, TrackingState::kTracking);
+}
+
+TEST_F(VisualSlamTest, FindsItselfInASavedMapAndLeavesItAsItIs) {
+  const auto mapping = make();
+  const std::vector<PoseEstimate> mapped = run(*mapping, *messages_);
+  const std::vector<common::Landmark> map = mapping->landmarks();
+  const auto slam = make();
+  ASSERT_TRUE(slam->load(map, MapUse::kLocalise));
+
+  const std::vector<PoseEstimate> found = run(*slam, *messages_);
+
+  EXPECT_EQ(found.front().state, TrackingState::kLost);
+  EXPECT_EQ(found.front().map_epoch, 0U);
+  int tracking = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i].state != TrackingState::kTracking) continue;
+    ++tracking;
+    EXPECT_LT((found[i].pose.translation() - mapped[i].pose.translation()).norm(), 0.1);
+  }
+  EXPECT_GT(tracking, static_cast<int>(found.size()) * 3 / 4);
+  const std::vector<common::Landmark> kept = slam->landmarks();
+  ASSERT_EQ(kept.size(), map.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(kept[i].position, map[i].position);
+    EXPECT_EQ(kept[i].observations, map[i].observations);
+    EXPECT_EQ(kept[i].views.size(), map[i].views.size());
+  }
+
+  slam->execute(common::Reset{});
+  EXPECT_EQ(slam->landmarks().size(), map.size()) << "the map is the user's";
+}
+
+TEST_F(VisualSlamTest, ContinuesASavedMap) {
+  const auto mapping = make();
+  run(*mapping, std::span(*messages_).first(messages_->size() / 2));
+  const auto slam = make();
+  ASSERT_TRUE(slam->load(mapping->landmarks(), MapUse::kContinue));
+
+  const std::vector<PoseEstimate> found = run(*slam, *messages_);
+
+  EXPECT_EQ(found.back().state, TrackingState::kTracking);
+  EXPECT_GT(slam->landmarks().size(), mapping->landmarks().size());
+}
+
+TEST_F(VisualSlamTest, RelocaliseSearchesTheWholeMap) {
+  const auto slam = make();
+  const std::size_t half = messages_->size() / 2;
+  const std::vector<PoseEstimate> before = run(*slam, std::span(*messages_).first(half));
+  slam->execute(common::Relocalise{});
+
+  const std::vector<PoseEstimate> after = run(*slam, std::span(*messages_).subspan(half));
+
+  EXPECT_EQ(after.front().state, TrackingState::kLost);
+  EXPECT_EQ(after.front().map_epoch, before.back().map_epoch);
+  EXPECT_EQ(after.back().state, TrackingState::kTracking);
+}
+
+TEST_F(VisualSlamTest, RefusesASavedMapItCannotFindItselfIn) {
+  const auto slam = make();
+  common::Landmark landmark{.id = 4};
+  EXPECT_FALSE(slam->load({landmark}, MapUse::kLocalise)) << "no views";
+  landmark.views.emplace_back();
+  EXPECT_FALSE(slam->load({landmark, landmark}, MapUse::kLocalise)) << "a number twice";
+  landmark.position.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(slam->load({landmark}, MapUse::kLocalise)) << "no place";
 }
 
 /// Without wheel odometry.
