@@ -2,6 +2,7 @@
 // kill -9 at random moments while the map is saved again and again: a whole map stands in its place every time.
 //
 // SLAMFUSE_KILLS: how often (default 20).
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <random>
@@ -50,16 +51,19 @@ int kills() {
 TEST(MapSurvivesKill, AtAnyMoment) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "map";
+  const auto start = std::chrono::steady_clock::now();
   ASSERT_TRUE(save(0, path));
+  // So that a child is killed anywhere in its first saves, however fast the disk is.
+  const std::chrono::duration<double> one_save = std::chrono::steady_clock::now() - start;
   std::mt19937 random(1);
-  std::uniform_int_distribution<int> microseconds(0, 60'000);
+  std::uniform_real_distribution<double> seconds(0.0, 4.0 * one_save.count());
   std::uint64_t newest = 0;
   for (int i = 1; i <= kills(); ++i) {
     constexpr int kRoundsOfAChild = 1'000'000;
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) save_for_ever(i * kRoundsOfAChild, path);
-    std::this_thread::sleep_for(std::chrono::microseconds(microseconds(random)));
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds(random)));
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);
