@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/run_accuracy.hpp"
 
+#include <algorithm>
+
 #include "common/recording.hpp"
 #include "common/trajectory_coverage.hpp"
 
@@ -29,6 +31,10 @@ common::Result<void> judge(const RunRequest& request, const std::set<std::string
     const auto trajectory = summary.log.trajectories.find(source);
     if (trajectory == summary.log.trajectories.end()) {
       summary.coverage[source] = 0.0;
+    } else if (request.live) {  // where the trajectory is thinned
+      const auto covered = static_cast<double>(summary.log.covered.at(source));
+      const auto time = static_cast<double>(summary.last_stamp - summary.first_stamp);
+      summary.coverage[source] = time > 0.0 ? std::min(1.0, covered / time) : 1.0;
     } else if (summary.truth.empty()) {
       summary.coverage[source] = common::time_coverage(trajectory->second, summary.first_stamp, summary.last_stamp);
     } else {

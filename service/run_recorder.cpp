@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/run_recorder.hpp"
 
+#include <algorithm>
+
+#include "common/trajectory_coverage.hpp"
+
 namespace slamfuse::service {
 
 using common::PoseSource;
@@ -15,6 +19,10 @@ void RunRecorder::on_estimate(const common::PoseEstimate& estimate) {
   series(estimates_, estimate.source).push(estimate);
   if (estimate.state == common::TrackingState::kLost) return;
   series(trajectories_, estimate.source).push({estimate.stamp, estimate.pose});
+  const common::Nanoseconds end = estimate.stamp + common::kCoveredByPose;
+  common::Nanoseconds& until = covered_until_.try_emplace(estimate.source, estimate.stamp).first->second;
+  covered_[estimate.source] += std::max<common::Nanoseconds>(0, end - std::max(until, estimate.stamp));
+  until = std::max(until, end);
 }
 
 void RunRecorder::on_corrected_pose(const fusion::CorrectedPose& pose) { on_estimate(pose.estimate); }
@@ -29,6 +37,7 @@ RunLog RunRecorder::log() const {
   RunLog log;
   for (const auto& [source, series] : trajectories_) log.trajectories[source] = series.items();
   for (const auto& [source, series] : estimates_) log.estimates[source] = series.items();
+  log.covered = covered_;
   log.status = status_.items();
   log.events.assign(events_.begin(), events_.end());
   return log;

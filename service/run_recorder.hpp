@@ -22,6 +22,8 @@ struct RunLog {
   std::map<common::PoseSource, std::vector<common::PoseEstimate>> estimates;
   std::vector<fusion::StatusEntry> status;
   std::vector<common::Event> events;
+  /// Time that lies within kCoveredByPose after a pose that was not LOST, by source; of all poses, kept or not.
+  std::map<common::PoseSource, common::Nanoseconds> covered;
 };
 
 /// Keeps what the output files are made from; of each series at most `most_kept`, evenly thinned beyond, of events the
@@ -50,6 +52,8 @@ class RunRecorder : public PipelineObserver {
   const std::size_t most_kept_;
   BySource<common::StampedPose2> trajectories_;
   BySource<common::PoseEstimate> estimates_;
+  std::map<common::PoseSource, common::Nanoseconds> covered_;
+  std::map<common::PoseSource, common::Nanoseconds> covered_until_;
   ThinnedSeries<fusion::StatusEntry> status_;
   std::deque<common::Event> events_;
 };

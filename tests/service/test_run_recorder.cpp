@@ -42,6 +42,14 @@ TEST(RunRecorder, IsBoundedInAService) {
   EXPECT_EQ(log.events.back().stamp, 99999);
 }
 
+TEST(RunRecorder, KnowsWhatThePosesCoverThoughItKeepsFew) {
+  constexpr common::Nanoseconds kSecond = 1'000'000'000;
+  RunRecorder recorder(10);
+  for (int i = 0; i <= 1000; ++i) recorder.on_estimate(estimate_at(i * kSecond / 10));  // 100 s
+  recorder.on_estimate(estimate_at(110 * kSecond));
+  EXPECT_EQ(recorder.log().covered.at(PoseSource::kLaser), 101 * kSecond);  // 100.5 and 0.5 s
+}
+
 TEST(RunRecorder, ALostPoseIsAnEstimateButNoPartOfThePath) {
   RunRecorder recorder;
   auto lost = estimate_at(5);
