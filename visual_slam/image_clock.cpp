@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -28,6 +29,70 @@ constexpr double kBetter = 0.8;            // misfit over that of the stamps as 
 constexpr double kSignificance = 5.0;      // standard deviations
 constexpr Nanoseconds kLongestStep = common::kNanosecondsPerSecond;  // from picture to picture
 
+/// Where one feature is seen in two pictures: unit vectors in base_link's axes at the time of each.
+struct RayPair {
+  Eigen::Vector3d before;
+  Eigen::Vector3d after;
+};
+
+Eigen::Vector3d ray_of(const Camera& camera, const cv::Point2f& pixel) {
+  const Eigen::Vector2d point =
+      camera.calibration.undistort({static_cast<double>(pixel.x), static_cast<double>(pixel.y)});
+  return (camera.R_base_camera * point.homogeneous()).normalized();
+}
+
+/// Mean angle [rad], each cut off, by which rays miss the epipolar planes of a turn by `turn` and a way of `distance`
+/// [m] along the arc; the camera sits at `lever` in base_link [m].
+double epipolar_misfit(const std::vector<RayPair>& rays, const Eigen::Vector2d& lever, double turn, double distance) {
+  constexpr double kCutOff = 0.01;      // [rad]
+  constexpr double kNearEpipole = 0.1;  // rays closer to it [rad] say nothing
+  const Eigen::Rotation2Dd rotation(turn);
+  const Eigen::Vector2d way =
+      distance * Eigen::Vector2d(std::cos(0.5 * turn), std::sin(0.5 * turn)) + rotation * lever - lever;
+  const Eigen::Vector3d direction = Eigen::Vector3d(way.x(), way.y(), 0.0).normalized();
+  const Eigen::AngleAxisd turned(turn, Eigen::Vector3d::UnitZ());
+  double sum = 0.0;
+  int count = 0;
+  for (const RayPair& ray : rays) {
+    const Eigen::Vector3d normal = direction.cross(ray.before);
+    if (normal.norm() < kNearEpipole) continue;
+    sum += std::min(std::abs(normal.normalized().dot(turned * ray.after)), kCutOff);
+    ++count;
+  }
+  return count > 0 ? sum / count : kInfinity;
+}
+
+/// The turn that two pictures show. Of a robot that stands or turns on the spot all azimuths change by it. Else near
+/// things move further than far ones, and it is that for which the rays lie best in their epipolar planes, the way
+/// being along the arc as wheels roll; `distance` [m] need be known but roughly.
+double turn_of(const std::vector<RayPair>& rays, const Eigen::Vector2d& lever, double distance) {
+  constexpr double kStands = 0.01;   // [m]
+  constexpr double kReach = 0.08;    // [rad]
+  constexpr double kCoarse = 0.002;  // [rad]
+  constexpr double kFine = 0.0002;   // [rad]
+  std::vector<double> turns;
+  for (const RayPair& ray : rays) {
+    turns.push_back(
+        common::angle_difference(std::atan2(ray.before.y(), ray.before.x()), std::atan2(ray.after.y(), ray.after.x())));
+  }
+  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
+  std::nth_element(turns.begin(), middle, turns.end());
+  double best = *middle;
+  if (std::abs(distance) < kStands) return best;
+  double smallest = kInfinity;
+  for (const auto& [reach, step] : {std::pair{kReach, kCoarse}, std::pair{kCoarse, kFine}}) {
+    const double about = best;
+    const int steps = static_cast<int>(std::lround(reach / step));
+    for (int n = -steps; n <= steps; ++n) {
+      const double misfit = epipolar_misfit(rays, lever, about + n * step, distance);
+      if (misfit >= smallest) continue;
+      smallest = misfit;
+      best = about + n * step;
+    }
+  }
+  return best;
+}
+
 /// Mean of all but the largest tenth.
 double truncated_mean(std::vector<double>& values) {
   const auto kept = static_cast<std::ptrdiff_t>(values.size() - values.size() / 10);
@@ -40,68 +105,101 @@ double truncated_mean(std::vector<double>& values) {
 void ImageClock::add(const common::WheelOdometry& odometry) {
   if (settled_ || !options_.correct) return;
   const Nanoseconds memory = common::from_seconds(options_.memory + options_.most_offset);
-  while (!headings_.empty() && headings_.back().stamp >= odometry.stamp) headings_.pop_back();
-  const double last = headings_.empty() ? 0.0 : headings_.back().theta;
-  headings_.push_back({odometry.stamp, last + common::angle_difference(odometry.pose.theta, last)});
-  while (headings_.front().stamp < odometry.stamp - memory) headings_.pop_front();
+  while (!places_.empty() && places_.back().stamp >= odometry.stamp) places_.pop_back();
+  const double last = places_.empty() ? 0.0 : places_.back().theta;
+  places_.push_back(
+      {odometry.stamp, last + common::angle_difference(odometry.pose.theta, last), odometry.pose.translation()});
+  while (places_.front().stamp < odometry.stamp - memory) places_.pop_front();
 }
 
-std::optional<double> ImageClock::heading_at(Nanoseconds stamp) const {
-  const auto after = std::lower_bound(headings_.begin(), headings_.end(), stamp,
-                                      [](const Heading& heading, Nanoseconds t) { return heading.stamp < t; });
-  if (after == headings_.end() || after == headings_.begin()) return std::nullopt;
+std::optional<ImageClock::Place> ImageClock::place_at(Nanoseconds stamp) const {
+  const auto after = std::lower_bound(places_.begin(), places_.end(), stamp,
+                                      [](const Place& place, Nanoseconds t) { return place.stamp < t; });
+  if (after == places_.end() || after == places_.begin()) return std::nullopt;
   const auto before = std::prev(after);
   const double fraction =
       static_cast<double>(stamp - before->stamp) / static_cast<double>(after->stamp - before->stamp);
-  return before->theta + fraction * (after->theta - before->theta);
+  return Place{stamp, before->theta + fraction * (after->theta - before->theta),
+               before->position + fraction * (after->position - before->position)};
 }
 
 std::optional<double> ImageClock::odometry_turn(const Turn& turn, double offset) const {
   const Nanoseconds shift = common::from_seconds(offset);
-  const auto from = heading_at(turn.from + shift);
-  const auto to = heading_at(turn.to + shift);
+  const auto from = place_at(turn.from + shift);
+  const auto to = place_at(turn.to + shift);
   if (!from || !to) return std::nullopt;
-  return *to - *from;
+  return to->theta - from->theta;
+}
+
+std::vector<double> ImageClock::misfits(double offset) const {
+  constexpr double kMostScaleError = 0.1;
+  std::vector<std::pair<double, double>> pairs;  // by the pictures, by the odometry
+  double product = 0.0;
+  double square = 0.0;
+  for (const Turn& turn : turns_) {
+    const auto told = odometry_turn(turn, offset);
+    if (!told) continue;
+    pairs.emplace_back(turn.angle, *told);
+    product += turn.angle * *told;
+    square += *told * *told;
+  }
+  const double scale = square > 0.0 ? std::clamp(product / square, 1.0 - kMostScaleError, 1.0 + kMostScaleError) : 1.0;
+  std::vector<double> misfits;
+  misfits.reserve(pairs.size());
+  for (const auto& [seen, told] : pairs) misfits.push_back(std::abs(seen - scale * told));
+  return misfits;
 }
 
 double ImageClock::misfit(double offset) const {
-  std::vector<double> misfits;
-  for (const Turn& turn : turns_) {
-    if (const auto expected = odometry_turn(turn, offset)) misfits.push_back(std::abs(turn.angle - *expected));
-  }
-  return misfits.size() < kFewestTurns ? kInfinity : truncated_mean(misfits);
+  std::vector<double> values = misfits(offset);
+  return values.size() < kFewestTurns ? kInfinity : truncated_mean(values);
 }
 
-std::optional<double> ImageClock::turn_between(const cv::Mat& before, const cv::Mat& after) const {
+std::optional<double> ImageClock::turn_to(const cv::Mat& after, double distance) {
   constexpr int kFeatures = 80;
   constexpr std::size_t kFewest = 15;
   constexpr double kApart = 15.0;    // [px]
   constexpr double kQuality = 0.01;  // of the best corner
   const cv::Size window(21, 21);
-  constexpr int kLevels = 4;  // reaches some 100 px
+  constexpr int kLevels = 3;
   constexpr float kLargestError = 20.0F;
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(before, corners, kFeatures, kQuality, kApart);
+  if (!last_picture_.empty()) cv::goodFeaturesToTrack(last_picture_, corners, kFeatures, kQuality, kApart);
+  std::vector<ExpectedFeature> unmoved;
+  for (const cv::Point2f& corner : corners) {
+    const Eigen::Vector2d pixel(static_cast<double>(corner.x), static_cast<double>(corner.y));
+    unmoved.push_back({0, pixel, pixel});
+  }
+  const double about = search_.find(0, camera_, after, unmoved);
   if (corners.size() < kFewest) return std::nullopt;
   std::vector<cv::Point2f> found;
+  for (const ExpectedFeature& feature : unmoved) {
+    const Eigen::Vector2d pixel = turned_pixel(camera_, feature.last, about).value_or(feature.last);
+    found.emplace_back(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
+  }
   std::vector<unsigned char> is_found;
   std::vector<float> errors;
-  cv::calcOpticalFlowPyrLK(before, after, corners, found, is_found, errors, window, kLevels);
-  const auto azimuth = [this](const cv::Point2f& pixel) {
-    const Eigen::Vector3d ray =
-        camera_.R_base_camera *
-        camera_.calibration.undistort({static_cast<double>(pixel.x), static_cast<double>(pixel.y)}).homogeneous();
-    return std::atan2(ray.y(), ray.x());
-  };
-  std::vector<double> turns;
+  const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
+  cv::calcOpticalFlowPyrLK(last_picture_, after, corners, found, is_found, errors, window, kLevels, until,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  std::vector<RayPair> rays;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (is_found[i] == 0 || errors[i] > kLargestError) continue;
-    turns.push_back(common::angle_difference(azimuth(corners[i]), azimuth(found[i])));
+    rays.push_back({ray_of(camera_, corners[i]), ray_of(camera_, found[i])});
   }
-  if (turns.size() < kFewest) return std::nullopt;
-  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
-  std::nth_element(turns.begin(), middle, turns.end());
-  return *middle;
+  if (rays.size() < kFewest) return std::nullopt;
+  return turn_of(rays, camera_.t_base_camera.head<2>(), distance);
+}
+
+/// How far the wheels drove in a stretch of time that ends no later than they are known to.
+double ImageClock::distance(Nanoseconds from, Nanoseconds to) const {
+  if (places_.empty()) return 0.0;
+  const Nanoseconds ahead = std::max<Nanoseconds>(to - places_.back().stamp, 0);
+  const auto begin = place_at(from - ahead);
+  const auto end = place_at(to - ahead);
+  if (!begin || !end) return 0.0;
+  const double heading = 0.5 * (begin->theta + end->theta);
+  return (end->position - begin->position).dot(Eigen::Vector2d(std::cos(heading), std::sin(heading)));
 }
 
 std::optional<ImageClock::Fit> ImageClock::fit() const {
@@ -121,32 +219,28 @@ std::optional<ImageClock::Fit> ImageClock::fit() const {
   const int fine_steps = static_cast<int>(kGridStep / kFineStep);
   for (int n = -fine_steps; n <= fine_steps; ++n) look_at(middle + n * kFineStep);
 
-  std::vector<double> misfits;
   double information = 0.0;
   for (const Turn& turn : turns_) {
-    const auto at = odometry_turn(turn, best.offset);
     const auto earlier = odometry_turn(turn, best.offset - kGridStep);
     const auto later = odometry_turn(turn, best.offset + kGridStep);
-    if (!at || !earlier || !later) continue;
+    if (!earlier || !later) continue;
     const double slope = (*later - *earlier) / (2.0 * kGridStep);
     information += slope * slope;
-    misfits.push_back(std::abs(turn.angle - *at));
+    ++best.turns;
   }
-  if (misfits.size() < kFewestTurns || !(information > 0.0)) return std::nullopt;
-  best.turns = misfits.size();
-  best.sigma = std::sqrt(std::numbers::pi / 2.0) * truncated_mean(misfits) / std::sqrt(information);
+  if (best.turns < kFewestTurns || !(information > 0.0)) return std::nullopt;
+  best.sigma = std::sqrt(std::numbers::pi / 2.0) * best.misfit / std::sqrt(information);
   best.current = misfit(common::to_seconds(correction_));
   return best;
 }
 
 std::optional<double> ImageClock::watch(const cv::Mat& picture, Nanoseconds stamp) {
   if (settled_ || !options_.correct) return std::nullopt;
-  const cv::Mat before = last_picture_;
-  const Nanoseconds from = last_stamp_;
+  const std::optional<double> turn = turn_to(picture, distance(last_stamp_ + correction_, stamp + correction_));
+  const Nanoseconds from = std::exchange(last_stamp_, stamp);
   last_picture_ = picture.clone();
-  last_stamp_ = stamp;
-  if (before.empty() || stamp <= from || stamp - from > kLongestStep) return std::nullopt;
-  if (const auto turn = turn_between(before, picture)) turns_.push_back({from, stamp, *turn});
+  if (stamp <= from || stamp - from > kLongestStep) return std::nullopt;
+  if (turn) turns_.push_back({from, stamp, *turn});
   while (!turns_.empty() && turns_.front().from < stamp - common::from_seconds(options_.memory)) turns_.pop_front();
   if (++since_fit_ < kFitInterval) return std::nullopt;
   since_fit_ = 0;

@@ -3,28 +3,33 @@
 
 #include <deque>
 #include <optional>
+#include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core.hpp>
 
 #include "common/sensor_message.hpp"
 #include "common/time.hpp"
 #include "visual_slam/camera.hpp"
 #include "visual_slam/options.hpp"
+#include "visual_slam/turn_search.hpp"
 
 namespace slamfuse::visual_slam {
 
 /// Finds by how much a camera's stamps are off the wheel odometry's, before and without any map: how far the robot
-/// turns from one picture to the next is seen in the pictures alone (the median change of the bearings, whatever the
-/// scale and the depths), and the stamps at which the odometry turned as far are the true ones. Offsets of some tenths
-/// of a second, e.g. stamps at arrival instead of exposure, put every feature tens of pixels off its prediction in a
-/// turn, and a filter that predicts with odometry loses itself before anybody could compare two paths.
+/// turns from one picture to the next is seen in the pictures (the turn for which the rays lie in their epipolar
+/// planes, whatever the depths), and the stamps at which the odometry turned as far are the true ones. Offsets of some
+/// tenths of a second, e.g. stamps at arrival instead of exposure, put every feature tens of pixels off its prediction
+/// in a turn, and a filter that predicts with odometry loses itself before anybody could compare two paths.
 ///
-/// Minimised over the offset d is the mean, without the worst tenth, of | turn_k - (theta(t_k + d) - theta(t_{k-1} +
-/// d)) |: on a grid, then finer about its best. The standard deviation follows from the residuals' and from how fast
-/// the odometry's turns change with d. Not in the seeds.
+/// Minimised over the offset d is the mean, without the worst tenth, of | turn_k - k (theta(t_k + d) - theta(t_{k-1} +
+/// d)) |, k being the least squares' scale of the odometry's turns, within a tenth of 1: on a grid, then finer about
+/// its best. The standard deviation follows from the residuals' and from how fast the odometry's turns change with d.
+/// Not in the seeds.
 class ImageClock {
  public:
-  ImageClock(const ImageClockOptions& options, const Camera& camera) : options_(options), camera_(camera) {}
+  ImageClock(const ImageClockOptions& options, const TurnSearchOptions& search, const Camera& camera)
+      : options_(options), camera_(camera), search_(search, 1) {}
 
   void add(const common::WheelOdometry& odometry);
   /// Takes the next picture with its stamp as the camera told it. Returns the change of the correction [s] when it is
@@ -34,9 +39,10 @@ class ImageClock {
   common::Nanoseconds correction() const { return correction_; }
 
  private:
-  struct Heading {
+  struct Place {
     common::Nanoseconds stamp = 0;
-    double theta = 0.0;  ///< not wrapped [rad]
+    double theta = 0.0;                                  ///< by the odometry, not wrapped [rad]
+    Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< by the odometry [m]
   };
   struct Turn {
     common::Nanoseconds from = 0;
@@ -51,15 +57,20 @@ class ImageClock {
     std::size_t turns = 0;
   };
 
-  std::optional<double> turn_between(const cv::Mat& before, const cv::Mat& after) const;
-  std::optional<double> heading_at(common::Nanoseconds stamp) const;
+  /// From the last picture to this one [rad], in which time the robot drove about `distance` [m].
+  std::optional<double> turn_to(const cv::Mat& after, double distance);
+  std::optional<Place> place_at(common::Nanoseconds stamp) const;
+  double distance(common::Nanoseconds from, common::Nanoseconds to) const;
   std::optional<double> odometry_turn(const Turn& turn, double offset) const;
+  /// By how much the pictures' turns miss the odometry's at stamps moved by `offset` [s], each >= 0 [rad].
+  std::vector<double> misfits(double offset) const;
   double misfit(double offset) const;
   std::optional<Fit> fit() const;
 
   ImageClockOptions options_;
   const Camera& camera_;
-  std::deque<Heading> headings_;
+  TurnSearch search_;
+  std::deque<Place> places_;
   std::deque<Turn> turns_;
   cv::Mat last_picture_;
   common::Nanoseconds last_stamp_ = 0;

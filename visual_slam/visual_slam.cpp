@@ -61,7 +61,8 @@ class VisualSlam::Implementation {
         observations_(options.map),
         filter_(options.filter, options.motion) {
     for (const auto& [name, calibration] : cameras) cameras_.emplace_back(Camera(name, calibration));
-    for (const CameraTracks& seeing : cameras_) clocks_.emplace_back(options.image_clock, seeing.camera);
+    for (const CameraTracks& seeing : cameras_)
+      clocks_.emplace_back(options.image_clock, options.turn_search, seeing.camera);
   }
 
   bool wants(const common::SensorMessage& message) const {

@@ -68,27 +68,27 @@ class ImageClockTest : public ::testing::Test {
 
 TEST_F(ImageClockTest, FindsByHowMuchStampsAreLateOrEarly) {
   for (const double offset : {-0.2, 0.1, 0.4}) {
-    ImageClock clock({}, camera_);
-    EXPECT_NEAR(drive(clock, 25.0, offset), -offset, 0.015) << offset;
+    ImageClock clock({}, {}, camera_);
+    EXPECT_NEAR(drive(clock, 18.0, offset), -offset, 0.015) << offset;
   }
 }
 
 TEST_F(ImageClockTest, LetsRightStampsBe) {
-  ImageClock clock({}, camera_);
-  EXPECT_EQ(drive(clock, 25.0, 0.0), 0.0);
+  ImageClock clock({}, {}, camera_);
+  EXPECT_EQ(drive(clock, 18.0, 0.0), 0.0);
 }
 
 TEST_F(ImageClockTest, SaysNothingWithoutATurn) {
   turns_ = false;
-  ImageClock clock({}, camera_);
+  ImageClock clock({}, {}, camera_);
   EXPECT_EQ(drive(clock, 15.0, 0.3), 0.0);
 }
 
 TEST_F(ImageClockTest, CanBeSwitchedOff) {
   ImageClockOptions options;
   options.correct = false;
-  ImageClock clock(options, camera_);
-  EXPECT_EQ(drive(clock, 25.0, 0.3), 0.0);
+  ImageClock clock(options, {}, camera_);
+  EXPECT_EQ(drive(clock, 18.0, 0.3), 0.0);
 }
 
 }  // namespace
