@@ -33,7 +33,8 @@ class RelocaliserTest : public ::testing::Test {
   /// The image taken at a step, of the points in view.
   Image look(int step) {
     testing::Noise noise(7 + static_cast<unsigned>(step));
-    Image image{.glimpse = {.stamp = step * 100'000'000, .odometry = odometry(step), .camera = &camera_}};
+    Image image;
+    image.glimpse = {.stamp = step * 100'000'000, .odometry = odometry(step), .camera = &camera_};
     image.picture = cv::Mat(480, 640, CV_8UC1);
     for (auto pixel = image.picture.begin<std::uint8_t>(); pixel != image.picture.end<std::uint8_t>(); ++pixel) {
       *pixel = static_cast<std::uint8_t>(255.0 * noise.uniform());
@@ -56,7 +57,7 @@ class RelocaliserTest : public ::testing::Test {
       landmark.id = static_cast<std::int64_t>(map_.size()) + 1;
       landmark.position << elsewhere * Eigen::Vector2d(image.points[i].head<2>()), image.points[i].z();
       landmark.covariance = 1e-4 * Eigen::Matrix3d::Identity();
-      landmark.views.push_back({{}, descriptors[i], {}});
+      landmark.views.emplace_back().descriptor = descriptors[i];
       map_.push_back(landmark);
     }
   }
