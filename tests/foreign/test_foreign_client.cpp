@@ -141,8 +141,8 @@ TEST_F(ForeignClient, StatusAndLandmarksAreUnderstood) {
   EXPECT_EQ(sources, 2);
   const auto bundle = service::read_map_bundle(folder_ / "out/map");
   ASSERT_TRUE(bundle);
-  ASSERT_EQ(messages_["landmarks"].empty(), !bundle->summary.aligned);
-  if (!bundle->summary.aligned) GTEST_SKIP() << "on this busy machine too few pictures were used to align the maps";
+  ASSERT_EQ(messages_["landmarks"].empty(), !bundle->summary.alignment);
+  if (!bundle->summary.alignment) GTEST_SKIP() << "on this busy machine too few pictures were used to align the maps";
   std::istringstream landmarks(messages_["landmarks"].back());
   std::string frame;
   std::size_t points = 0;
