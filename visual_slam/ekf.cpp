@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 #include "common/angle.hpp"
 #include "visual_slam/consensus.hpp"
@@ -19,6 +20,7 @@ constexpr double kImpossible = 3.0;      // standard deviations an inverse depth
 constexpr double kPlausible = 7.8;       // squared standard deviations of three numbers that 95 % stay below
 constexpr double kInflationStep = 1.25;  // factors of the covariance that are tried
 constexpr double kMostInflation = 1e6;
+constexpr double kImprobable = 16.3;  // chi-square of the odometry's three systematic errors, 0.999
 constexpr double kBlindness = 100.0;  // times the noise of a bearing, along a parallax that must not count
 
 double square(double value) { return value * value; }
@@ -67,7 +69,61 @@ const PastPose* Ekf::keyframe_at(common::Nanoseconds stamp) const {
 }
 
 void Ekf::predict(const MotionStep& step) {
+  const common::Pose2 before = pose();
+  const std::optional<Slip> slip = motion_->slip(state_, robot_, motion_parameters_, step);
   if (motion_->predict(state_, robot_, motion_parameters_, step)) moved_ = true;
+  if (!slip) return;
+  wheels_.move(*slip, pose().translation() - before.translation(), step.seconds);
+}
+
+bool Ekf::odometry_is_doubtful() const {
+  return wheels_.doubtful() || motion_->improbability(state_, motion_parameters_) > kImprobable;
+}
+
+SlipWatch::Verdict Ekf::watch_wheels(std::span<const LinearMeasurement> measurements,
+                                     const Eigen::MatrixXd& covariance) {
+  if (!wheels_.since_image()) return SlipWatch::Verdict::kNothing;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> by_slip(covariance.rows(), 2);
+  for (int i = 0; i < static_cast<int>(measurements.size()); ++i) {
+    by_slip.middleRows<2>(2 * i) =
+        measurements[static_cast<std::size_t>(i)].jacobian.front().matrix * wheels_.since_image()->pose;
+  }
+  if (by_slip.cwiseAbs().maxCoeff() < std::sqrt(measurements.front().noise(0, 0))) return SlipWatch::Verdict::kNothing;
+  const SlipWatch::Verdict verdict = wheels_.judge(slip_evidence(stacked_residuals(measurements), covariance, by_slip,
+                                                                 chi_square_gate_2(options_.gate_probability)));
+  if (verdict == SlipWatch::Verdict::kSlip) admit_slip();
+  if (verdict == SlipWatch::Verdict::kGrip) admit_grip();
+  return verdict;
+}
+
+/// Makes the odometry's scale as uncertain as slip makes it, and with it the pose reached by it since the last image.
+/// The camera then tells by how much the wheels slip, and the odometry corrected by that keeps the map's scale.
+void Ekf::admit_slip() {
+  grip_mean_ = state_.mean(motion_parameters_);
+  grip_covariance_ = state_.covariance(motion_parameters_, motion_parameters_);
+  const Slip& by_slip = *wheels_.since_image();
+  const BlockId slip = state_.append(Eigen::Vector2d::Zero(), BlockKind::kCalibration, {}, Eigen::Matrix2d::Identity());
+  const int parameters = static_cast<int>(grip_mean_.size());
+  const JacobianPart<Eigen::Dynamic> to_parameters[] = {
+      {motion_parameters_, Eigen::MatrixXd::Identity(parameters, parameters)}, {slip, by_slip.parameters}};
+  state_.transform(motion_parameters_, grip_mean_, BlockKind::kCalibration, to_parameters,
+                   Eigen::MatrixXd::Zero(parameters, parameters));
+  const JacobianPart<Eigen::Dynamic> to_pose[] = {{robot_, Eigen::Matrix3d::Identity()}, {slip, by_slip.pose}};
+  state_.transform(robot_, Eigen::VectorXd(state_.mean(robot_)), BlockKind::kPose, to_pose, Eigen::Matrix3d::Zero());
+  state_.remove(std::span(&slip, 1));
+}
+
+/// Gives the odometry the systematic errors it had before the wheels slipped, also for the way since the last image.
+void Ekf::admit_grip() {
+  const Slip& by_slip = *wheels_.since_image();
+  const Eigen::MatrixXd to_pose = by_slip.pose * by_slip.parameters.colPivHouseholderQr().solve(
+                                                     Eigen::MatrixXd::Identity(grip_mean_.size(), grip_mean_.size()));
+  const Eigen::Vector3d change = to_pose * (grip_mean_ - state_.mean(motion_parameters_));
+  const Eigen::Matrix3d noise =
+      to_pose * state_.covariance(motion_parameters_, motion_parameters_) * to_pose.transpose();
+  const JacobianPart<Eigen::Dynamic> same[] = {{robot_, Eigen::Matrix3d::Identity()}};
+  state_.transform(robot_, Eigen::VectorXd(state_.mean(robot_) + change), BlockKind::kPose, same, noise);
+  state_.transform(motion_parameters_, grip_mean_, BlockKind::kCalibration, {}, grip_covariance_);
 }
 
 std::optional<Projection> Ekf::project(const Camera& camera, const FilterLandmark& landmark,
@@ -219,9 +275,14 @@ void Ekf::correct(const Camera& camera, std::span<const Measurement> measurement
     }
   }
   if (linear.empty()) return;
-  const Eigen::MatrixXd cross = state_.covariance_times_jacobian(linear);
-  const Consensus consensus = find_consensus(stacked_residuals(linear), innovation_covariance(state_, linear, cross),
-                                             chi_square_gate_2(options_.gate_probability));
+  Eigen::MatrixXd covariance = innovation_covariance(state_, linear, state_.covariance_times_jacobian(linear));
+  report.wheels = watch_wheels(linear, covariance);
+  if (report.wheels != SlipWatch::Verdict::kNothing) {
+    covariance = innovation_covariance(state_, linear, state_.covariance_times_jacobian(linear));
+  }
+  wheels_.next_image();
+  const Consensus consensus =
+      find_consensus(stacked_residuals(linear), covariance, chi_square_gate_2(options_.gate_probability));
   report.mean_nis = consensus.mean_nis;
   std::vector<std::size_t> accepted;
   for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);

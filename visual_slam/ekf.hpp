@@ -18,6 +18,7 @@
 #include "visual_slam/options.hpp"
 #include "visual_slam/pose_block.hpp"
 #include "visual_slam/projection.hpp"
+#include "visual_slam/slip_watch.hpp"
 #include "visual_slam/state.hpp"
 
 namespace slamfuse::visual_slam {
@@ -46,7 +47,8 @@ struct MapPoint {
 struct UpdateReport {
   std::vector<bool> accepted;  ///< for each measurement
   int inliers = 0;
-  double mean_nis = 0.0;  ///< of the accepted ones, per degree of freedom
+  double mean_nis = 0.0;                                     ///< of the accepted ones, per degree of freedom
+  SlipWatch::Verdict wheels = SlipWatch::Verdict::kNothing;  ///< whether they have begun to slip or to grip again
 };
 
 /// A past pose of base_link that is still estimated.
@@ -74,6 +76,10 @@ class Ekf {
   Eigen::VectorXd motion_parameters() const { return state_.mean(motion_parameters_); }
   /// How base_link moves, where the motion model knows it.
   std::optional<BodyTwist> twist() const { return motion_->twist(state_, motion_parameters_); }
+  /// Whether the wheel odometry contradicts the camera: the wheels slip, or its systematic errors would have to be
+  /// larger than the options allow (or the camera's calibration is wrong). The estimate may be off by more than its
+  /// covariance then.
+  bool odometry_is_doubtful() const;
   /// How many units of the map a metre is.
   double lever_scale() const { return motion_->lever_scale(state_, motion_parameters_); }
   /// Optical centre of a camera in the map.
@@ -161,6 +167,9 @@ class Ekf {
     bool in_state() const { return form == LandmarkForm::kInverseDepth || form == LandmarkForm::kPoint; }
   };
 
+  SlipWatch::Verdict watch_wheels(std::span<const LinearMeasurement> measurements, const Eigen::MatrixXd& covariance);
+  void admit_slip();
+  void admit_grip();
   std::optional<Projection> project(const Camera& camera, const FilterLandmark& landmark,
                                     const BodyPose& row_shift) const;
   std::optional<Prediction> predict(const Camera& camera, const FilterLandmark& landmark,
@@ -192,6 +201,9 @@ class Ekf {
   std::map<LandmarkId, FilterLandmark> landmarks_;
   std::vector<PastPose> past_poses_;  // by rising stamp
   bool moved_ = true;                 // since the newest past pose was taken
+  SlipWatch wheels_;
+  Eigen::VectorXd grip_mean_;        // of the motion model's numbers before the wheels slipped
+  Eigen::MatrixXd grip_covariance_;  // the same
 };
 
 }  // namespace slamfuse::visual_slam

@@ -31,6 +31,14 @@ void LandmarkBook::clear() {
   archive_.clear();
 }
 
+std::vector<LandmarkId> LandmarkBook::known(const Ekf& filter) const {
+  std::vector<LandmarkId> known;
+  for (const auto& [id, record] : records_) {
+    if (filter.is_cartesian(id)) known.push_back(id);
+  }
+  return known;
+}
+
 LandmarkId LandmarkBook::enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp,
                                std::string object) {
   Record record;

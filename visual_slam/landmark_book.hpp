@@ -26,6 +26,8 @@ class LandmarkBook {
 
   std::size_t size() const { return records_.size(); }
   void clear();
+  /// The landmarks of known place.
+  std::vector<LandmarkId> known(const Ekf& filter) const;
 
   /// A landmark was seen the first time, at a pixel of a picture, maybe on a known object. Returns its number.
   LandmarkId enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp, std::string object);

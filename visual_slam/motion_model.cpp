@@ -84,6 +84,24 @@ bool OdometryMotion::predict(State& state, BlockId robot, BlockId parameters, co
   return step.odometry.vector() != Eigen::Vector3d::Zero();
 }
 
+std::optional<Slip> OdometryMotion::slip(const State& state, BlockId robot, BlockId parameters,
+                                         const MotionStep& step) const {
+  if (options_.slip <= 0.0) return std::nullopt;
+  const common::Pose2 pose{state.mean(robot)[0], state.mean(robot)[1], state.mean(robot)[2]};
+  const CalibratedIncrement calibrated = calibrate_increment(step.odometry, state.mean(parameters), options_);
+  Slip slip;
+  slip.pose = options_.slip * common::compose_jacobians(pose, calibrated.increment).wrt_b *
+              calibrated.wrt_calibration.leftCols<2>();
+  slip.parameters = options_.slip * Eigen::Matrix<double, 3, 2>::Identity();
+  return slip;
+}
+
+double OdometryMotion::improbability(const State& state, BlockId parameters) const {
+  const Eigen::Vector3d variances = calibration_covariance(options_).diagonal();
+  const Eigen::Vector3d numbers = state.mean(parameters);
+  return (variances.array() > 0.0).select(numbers.array().square() / variances.array(), 0.0).sum();
+}
+
 std::shared_ptr<const MotionModel> make_motion_model(const MotionOptions& options) {
   if (options.model == MotionModelKind::kConstantVelocity) {
     return std::make_shared<ConstantVelocity>(options.constant_velocity);

@@ -40,6 +40,12 @@ struct MotionStep {
   common::Pose2 odometry;  ///< what the wheel odometry says, for those that use it
 };
 
+/// What slipping wheels do, by one standard deviation of slip along the way (first column) and in the turn (second).
+struct Slip {
+  Eigen::Matrix<double, 3, 2> pose;                     ///< to (x, y, theta) of the robot in the map
+  Eigen::Matrix<double, Eigen::Dynamic, 2> parameters;  ///< to the numbers of the motion model
+};
+
 /// How the robot moves between images, and with it whether poses are planar or free: past poses are copies of the
 /// robot's block. The filter keeps the model's own numbers in the second block of its state.
 class MotionModel {
@@ -52,6 +58,12 @@ class MotionModel {
   virtual BlockId append_parameters(State& state) const = 0;
   /// Moves the robot's block. Returns whether the pose may have changed.
   virtual bool predict(State& state, BlockId robot, BlockId parameters, const MotionStep& step) const = 0;
+  /// What it means when the wheels begin to slip (or stop to) with this step; empty when there are no wheels or they
+  /// never slip. To be asked before predict().
+  virtual std::optional<Slip> slip(const State&, BlockId, BlockId, const MotionStep&) const { return std::nullopt; }
+  /// How far the model's numbers are from what its options promise, as a squared number of standard deviations of so
+  /// many degrees of freedom as there are numbers.
+  virtual double improbability(const State&, BlockId) const { return 0.0; }
   /// Whether the model knows metres. Otherwise the landmarks must teach the robot how fast it moves.
   virtual bool is_metric() const = 0;
   /// How many units of the map a metre is.
@@ -72,6 +84,9 @@ class OdometryMotion : public MotionModel {
 
   BlockId append_parameters(State& state) const override;
   bool predict(State& state, BlockId robot, BlockId parameters, const MotionStep& step) const override;
+  std::optional<Slip> slip(const State& state, BlockId robot, BlockId parameters,
+                           const MotionStep& step) const override;
+  double improbability(const State& state, BlockId parameters) const override;
   bool is_metric() const override { return true; }
   double lever_scale(const State&, BlockId) const override { return 1.0; }
   std::optional<int> lever_scale_index() const override { return std::nullopt; }

@@ -52,6 +52,9 @@ void MotionOptions::describe(OptionVisitor& visit) {
              "Random error of the heading from driving.");
   visit.real("turn_noise_per_turn", turn_noise_per_turn, {0.0, 90.0}, "deg/sqrt(360 deg)",
              "Random error of the heading from turning.");
+  visit.real("slip", slip, {0.0, 1.0}, "",
+             "By which share of the way and of the turn the wheels slip when they slip (standard deviation); what the "
+             "camera sees says when. 0: they never slip.");
   visit.flag(
       "calibrate", calibrate,
       "Estimate the systematic errors of the wheel odometry (scale of distance and of turn, turn per distance).");

@@ -50,6 +50,7 @@ struct MotionOptions {
   double lateral_noise = 0.005;          ///< [m / sqrt(m)]
   double turn_noise_per_distance = 0.6;  ///< [deg / sqrt(m)]
   double turn_noise_per_turn = 3.0;      ///< [deg / sqrt(360 deg)]
+  double slip = 0.2;
   bool calibrate = true;
   double distance_scale_sigma = 0.02;
   double turn_scale_sigma = 0.03;

@@ -25,7 +25,7 @@ common::TrackingState TrackingMonitor::update(common::Nanoseconds stamp, const I
   const double blind = common::to_seconds(stamp - last_good_);
   if (blind > (contradicted_ ? options_.uncertain_after : options_.lost_after)) {
     state_ = common::TrackingState::kLost;
-  } else if (blind > options_.uncertain_after || contradicted_ || !confirmed_) {
+  } else if (blind > options_.uncertain_after || contradicted_ || !confirmed_ || image.doubted) {
     state_ = common::TrackingState::kUncertain;
   } else {
     state_ = common::TrackingState::kTracking;

@@ -12,6 +12,7 @@ struct ImageEvidence {
   int expected = 0;       ///< features of the previous image, not new in it, that should be in view
   int inliers = 0;        ///< features accepted
   bool textured = false;  ///< whether the image shows anything to follow at all
+  bool doubted = false;   ///< whether the estimate may be wrong though the features fit
 };
 
 /// Says from the accepted features of the images whether the camera still knows where it is. An image with enough of

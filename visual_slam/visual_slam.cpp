@@ -23,6 +23,7 @@
 #include "visual_slam/path_recorder.hpp"
 #include "visual_slam/place_search.hpp"
 #include "visual_slam/tracking_monitor.hpp"
+#include "visual_slam/trust_chain.hpp"
 #include "visual_slam/turn_search.hpp"
 
 namespace slamfuse::visual_slam {
@@ -44,6 +45,15 @@ std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
   return result;
 }
 
+/// Whether the picture shows anything: at most half of it is black or white to the last step or two. Features at the
+/// edges of what is saturated move with the light.
+bool is_exposed(const cv::Mat& picture) {
+  constexpr double kDark = 2.0, kBright = 253.0;  // [gray]
+  cv::Mat inside;
+  cv::inRange(picture, cv::Scalar(kDark), cv::Scalar(kBright), inside);
+  return 2 * cv::countNonZero(inside) >= picture.rows * picture.cols;
+}
+
 }  // namespace
 
 class VisualSlam::Implementation {
@@ -59,6 +69,7 @@ class VisualSlam::Implementation {
         loop_search_(options.loop, options.relocalisation, seed),
         monitor_(options.tracking),
         observations_(options.map),
+        trust_(options.tracking.min_inliers),
         filter_(options.filter, options.motion) {
     for (const auto& [name, calibration] : cameras) cameras_.emplace_back(Camera(name, calibration));
     for (const CameraTracks& seeing : cameras_)
@@ -197,11 +208,12 @@ class VisualSlam::Implementation {
       judge(evidence, events);
       return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
     }
-    std::vector<Track> seen = follow(seeing, picture, evidence);
+    const bool exposed = is_exposed(picture);
+    std::vector<Track> seen = exposed ? follow(seeing, picture, evidence) : std::vector<Track>{};
     UpdateReport report;
     if (!has_odometry()) report = update(seeing, seen, report);
     const std::size_t followed = seen.size();
-    if (!pose_doubted_) {
+    if (exposed && !pose_doubted_) {
       const std::vector<Track> recognised =
           book_.recognise(filter_, seeing.camera, twist_, picture, numbers(seen), map_may_grow());
       seen.insert(seen.end(), recognised.begin(), recognised.end());
@@ -218,12 +230,15 @@ class VisualSlam::Implementation {
       if (!pose_doubted_) keep_pose(image.stamp);
     }
     evidence.inliers = report.inliers;
-    evidence.textured = has_texture(seeing, evidence.inliers);
+    evidence.textured = exposed && has_texture(seeing, evidence.inliers);
+    evidence.doubted = has_odometry() && doubts(seeing, report, events);
     judge(evidence, events);
-    search_map(seeing, picture);
-    close_loop(seeing, picture, events);
+    if (exposed) {
+      search_map(seeing, picture);
+      close_loop(seeing, picture, events);
+    }
     const std::size_t known = seeing.tracks.size();
-    if (!localising_ && map_may_grow()) add_features(seeing, picture);
+    if (exposed && !localising_ && map_may_grow()) add_features(seeing, picture);
     remember(seeing, image, seen, report, followed, known);
     if (!localising_) limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
@@ -340,6 +355,23 @@ class VisualSlam::Implementation {
         std::erase_if(camera.tracks, [id](const Track& track) { return track.landmark == id; });
       }
     }
+  }
+
+  /// Whether the estimate may be wrong though the features fit: the odometry contradicts the camera, or has done so and
+  /// what is seen does not hang together with the map from before.
+  bool doubts(const CameraTracks& seeing, const UpdateReport& report, std::vector<common::Event>& events) {
+    if (report.wheels == SlipWatch::Verdict::kSlip) {
+      events.push_back(event("wheel_slip", "the camera does not see what the wheel odometry says"));
+    }
+    if (report.wheels == SlipWatch::Verdict::kGrip) events.push_back(event("wheel_grip", "they agree again"));
+    std::vector<LandmarkId> known;
+    for (const Track& track : seeing.tracks) {
+      if (filter_.is_cartesian(track.landmark)) known.push_back(track.landmark);
+    }
+    const bool doubtful = filter_.odometry_is_doubtful();
+    if (doubtful) trust_.begin(book_.known(filter_));
+    if (trust_.see(known) && !doubtful) trust_.end();
+    return trust_.is_watching();
   }
 
   /// Whether the image shows enough that could be followed.
@@ -533,6 +565,7 @@ class VisualSlam::Implementation {
     forget(filter_.set_pose(pose, covariance));
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
+    trust_.end();
   }
 
   /// A map to localise in is the user's and stays.
@@ -548,6 +581,7 @@ class VisualSlam::Implementation {
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
     last_loop_.reset();
+    trust_.end();
     monitor_ = TrackingMonitor(options_.tracking);
     ++epoch_;
     waiting_events_.push_back(event("map_reset", fmt::format("epoch {} begins", epoch_)));
@@ -569,6 +603,7 @@ class VisualSlam::Implementation {
   TrackingMonitor monitor_;
   ObservationLog observations_;
   ImageSampler sampler_;
+  TrustChain trust_;
   Ekf filter_;
   PathRecorder path_;
   common::OdometryBuffer odometry_;

@@ -2,7 +2,7 @@
 // Damages the pictures (or the wheels) of a recording for a stretch of time and prints what the visual SLAM makes of
 // it: error and states while it lasts and afterwards.
 //
-//     benchmark_visual_damage RECORDING CAMERAS [FROM LENGTH AFTER] [visual.key=value ...]
+//     benchmark_visual_damage RECORDING CAMERAS [FROM LENGTH AFTER] [only=DAMAGE] [visual.key=value ...]
 //
 // CAMERAS is a list such as cam0,cam1; FROM, LENGTH (default 30 and 10) and AFTER (30) are seconds. The frame is
 // fitted on the poses before the damage.
@@ -90,14 +90,20 @@ void print_row(Damage damage, const std::vector<JudgedEstimate>& judged, const W
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    return fail("usage: benchmark_visual_damage RECORDING CAMERAS [FROM LENGTH AFTER] [visual.key=value ...]");
+    return fail(
+        "usage: benchmark_visual_damage RECORDING CAMERAS [FROM LENGTH AFTER] [only=DAMAGE] [visual.key=value ...]");
   }
   visual_slam::VisualSlamOptions options;
   std::vector<double> seconds;
+  std::string only;
   for (int i = 3; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.find('=') == std::string::npos) {
       seconds.push_back(std::atof(argv[i]));
+      continue;
+    }
+    if (argument.starts_with("only=")) {
+      only = argument.substr(5);
       continue;
     }
     const auto set = common::set_option(
@@ -137,6 +143,7 @@ int main(int argc, char** argv) {
       "                 | during: ATE, max [m], heading [deg], T/U/L %% | after: the same | TRACKING again | "
       "falsely TRACKING (worst) | rejected\n");
   for (const Damage damage : visual_slam::testing::kAllDamages) {
+    if (!only.empty() && to_string(damage) != only) continue;
     auto slam = visual_slam::VisualSlam::create(options, damaged(damage, cameras), 1, 2);
     if (!slam) return fail(slam.error().message);
     visual_slam::testing::Damager damager(damage, window.from, window.to);
@@ -150,7 +157,7 @@ int main(int argc, char** argv) {
         if (result.estimate) estimates.push_back(*result.estimate);
       }
     }
-    print_row(damage, judge(estimates, *truth, window.from), window, rejected);
+    print_row(damage, visual_slam::testing::judge(estimates, *truth, window.from), window, rejected);
   }
   return EXIT_SUCCESS;
 }
