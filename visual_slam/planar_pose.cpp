@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "visual_slam/planar_pose.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -17,8 +19,9 @@ namespace {
 
 using common::Pose2;
 
-constexpr int kHeadings = 24;         // tried before Newton's method
-constexpr int kNewtonSteps = 3;       // it is quadratic near the minimum
+constexpr int kHeadings = 24;  // looked at before Newton's method
+constexpr double kHeadingStep = 2.0 * std::numbers::pi / kHeadings;
+constexpr int kNewtonSteps = 4;       // it is quadratic near the minimum
 constexpr int kRefinements = 8;       // steps of least squares
 constexpr double kLargestMiss = 0.1;  // of the distance, for two sights to agree
 constexpr double kConverged = 1e-8;
@@ -72,28 +75,33 @@ std::optional<Pose2> pose_from_two_sights(const Sight& a, const Sight& b) {
     const Eigen::Vector2d u(std::cos(theta), std::sin(theta));
     return u.dot(q * u) - 2.0 * l.dot(u);
   };
-  double theta = 0.0, least = std::numeric_limits<double>::infinity();
+  std::array<double, kHeadings> costs{};
+  for (int i = 0; i < kHeadings; ++i) costs[static_cast<std::size_t>(i)] = cost(kHeadingStep * i);
+  std::optional<Pose2> best;
+  double least = kLargestMiss;
   for (int i = 0; i < kHeadings; ++i) {
-    const double one = 2.0 * std::numbers::pi * i / kHeadings;
-    if (const double value = cost(one); value < least) {
-      least = value;
-      theta = one;
+    const auto at = [&](int heading) { return costs[static_cast<std::size_t>((heading + kHeadings) % kHeadings)]; };
+    if (at(i) > at(i - 1) || at(i) > at(i + 1)) continue;
+    double theta = kHeadingStep * i;
+    for (int step = 0; step < kNewtonSteps; ++step) {
+      const Eigen::Vector2d u(std::cos(theta), std::sin(theta)), turned(-u.y(), u.x());
+      const double slope = turned.dot(q * u - l);
+      const double curvature = turned.dot(q * turned) - u.dot(q * u - l);
+      if (!(curvature > 0.0)) break;
+      theta -= slope / curvature;
+    }
+    const Eigen::Vector2d u(std::cos(theta), std::sin(theta));
+    const Eigen::Vector2d offset = to_offset * (known - by_heading * u);
+    // offset = -R(-theta) o
+    const Pose2 pose{-(u.x() * offset.x() - u.y() * offset.y()), -(u.y() * offset.x() + u.x() * offset.y()),
+                     common::normalize_angle(theta)};
+    const double miss = std::max(sight_error(a, pose), sight_error(b, pose));
+    if (miss < least) {
+      least = miss;
+      best = pose;
     }
   }
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    const Eigen::Vector2d u(std::cos(theta), std::sin(theta)), turned(-u.y(), u.x());
-    const double slope = turned.dot(q * u - l);
-    const double curvature = turned.dot(q * turned) - u.dot(q * u - l);
-    if (!(curvature > 0.0)) break;
-    theta -= slope / curvature;
-  }
-  const Eigen::Vector2d u(std::cos(theta), std::sin(theta));
-  const Eigen::Vector2d offset = to_offset * (known - by_heading * u);
-  // offset = -R(-theta) o
-  const Pose2 pose{-(u.x() * offset.x() - u.y() * offset.y()), -(u.y() * offset.x() + u.x() * offset.y()),
-                   common::normalize_angle(theta)};
-  if (!(sight_error(a, pose) < kLargestMiss) || !(sight_error(b, pose) < kLargestMiss)) return std::nullopt;
-  return pose;
+  return best;
 }
 
 std::optional<RefinedPose> refine_pose(std::span<const Sight> sights, const Pose2& start, double sigma) {

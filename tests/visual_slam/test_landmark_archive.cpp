@@ -25,7 +25,10 @@ class LandmarkArchiveTest : public ::testing::Test {
 
   /// Enters a landmark that hangs on a keyframe and archives it, as seen last then.
   common::Landmark archive(LandmarkArchive& archive, LandmarkId id, common::Nanoseconds stamp, int observations = 5) {
-    common::Landmark landmark{.id = id, .position = {2.0, 1.0, 0.5}, .observations = observations};
+    common::Landmark landmark;
+    landmark.id = id;
+    landmark.position = {2.0, 1.0, 0.5};
+    landmark.observations = observations;
     filter_.add_point(id, landmark.position, *filter_.keyframe_at(stamp), kOwn);
     landmark.covariance = filter_.map_point(id)->covariance;
     gone_ = archive.add(filter_, landmark, stamp);
@@ -73,7 +76,7 @@ TEST_F(LandmarkArchiveTest, HangsOnAnotherKeyframeWhenItsOwnIsGone) {
   LandmarkArchive archived(10);
   archive(archived, 1, 2 * kSecond);
   archived.follow(filter_);
-  for (int second = 5; second <= 8; ++second) {
+  for (int second = 5; second < 40 && filter_.keyframe_at(2 * kSecond) != nullptr; ++second) {
     filter_.predict({1.0, Pose2{1.0, 0.0, 0.0}});
     filter_.add_keyframe(second * kSecond, 2);
     archived.follow(filter_);
