@@ -264,6 +264,7 @@ std::vector<common::Landmark> LandmarkBook::landmarks(const Ekf& filter) const {
     archived.views = recogniser_.views(archived.id);
     result.push_back(std::move(archived));
   }
+  std::ranges::sort(result, {}, &common::Landmark::id);
   return result;
 }
 

@@ -64,7 +64,7 @@ class LandmarkBook {
   LandmarkArchive& archived() { return archive_; }
   /// Those of them that have not been seen since a stamp.
   std::vector<common::Landmark> unseen_since(const Ekf& filter, common::Nanoseconds stamp) const;
-  /// All landmarks of known place: those of the filter, then the archived ones.
+  /// All landmarks of known place, of the filter and archived, by rising number.
   std::vector<common::Landmark> landmarks(const Ekf& filter) const;
 
  private:

@@ -28,9 +28,10 @@ double sight_error(const Sight& sight, const common::Pose2& pose);
 /// The pose from which two landmarks appear where they were seen: four equations for three unknowns. Seen from the
 /// planar pose (x, y, theta), a sight says e_i . (R(-theta) (p - o) - t) = 0 for two unit vectors across its ray; that
 /// is linear in (cos theta, sin theta) and the unknown offset, which is eliminated. The remaining least squares over
-/// the unit circle have up to two minima, among them poses that would have a landmark behind; each is solved by Newton's
-/// method from evenly spaced headings, and the one whose sights miss least is taken. Empty when the sights contradict
-/// each other (they miss by more than a tenth of their distance) or a landmark would be behind. Not in the seeds.
+/// the unit circle have up to two minima, among them poses that would have a landmark behind; each is solved by
+/// Newton's method from evenly spaced headings, and the one whose sights miss least is taken. Empty when the sights
+/// contradict each other (they miss by more than a tenth of their distance) or a landmark would be behind. Not in the
+/// seeds.
 std::optional<common::Pose2> pose_from_two_sights(const Sight& a, const Sight& b);
 
 /// A pose and how well it is known.
