@@ -30,7 +30,7 @@ using namespace slamfuse;
 
 constexpr int kFeatures = 400;   // in an image
 constexpr int kLandmarks = 150;  // in the state
-constexpr int kSteps = 200;      // timed
+constexpr int kSteps = 80;       // timed
 
 int fail(const std::string& message) {
   std::fprintf(stderr, "%s\n", message.c_str());
