@@ -105,9 +105,11 @@ class Judge {
     for (const auto& entry : summary_.log.status) {
       if (entry.source != source || entry.stamp >= until) continue;
       const bool is_it = std::find(kinds.begin(), kinds.end(), entry.state) != kinds.end();
-      if (entry.stamp < from) before = is_it ? std::optional(from) : std::nullopt;
-      if (entry.stamp >= from && before) return before;
-      if (entry.stamp >= from && is_it) return entry.stamp;
+      if (entry.stamp <= from) {
+        before = is_it ? std::optional(from) : std::nullopt;
+      } else if (before || is_it) {
+        return before.value_or(entry.stamp);
+      }
     }
     return before;
   }
