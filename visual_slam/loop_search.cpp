@@ -34,10 +34,10 @@ void LoopSearch::clear() {
 }
 
 bool LoopSearch::could_be_drift(const common::Pose2& estimate, const common::Pose2& found) const {
-  const double most = options_.max_drift * way_;
-  const double turn = std::abs(common::normalize_angle(found.theta - estimate.theta));
-  return (found.translation() - estimate.translation()).norm() <= most &&
-         turn <= common::to_radians(options_.max_turn_drift);
+  const double off = (found.translation() - estimate.translation()).norm();
+  const double turn = std::abs(common::to_degrees(common::normalize_angle(found.theta - estimate.theta)));
+  return (off > options_.min_drift || turn > options_.min_turn_drift) && off <= options_.max_drift * way_ &&
+         turn <= options_.max_turn_drift;
 }
 
 std::optional<Relocalisation> LoopSearch::look(const OldMap& map, const Glimpse& glimpse, const common::Pose2& estimate,

@@ -22,6 +22,8 @@ constexpr std::size_t kRace = 4;            // hypotheses carried to the next im
 constexpr double kLandmarkSigmas = 2.0;     // of a landmark's own uncertainty it may be off
 constexpr double kSmallBaseline = 0.2;      // [m] two landmarks nearer than this do not tell a pose
 constexpr int kRounds = 3;                  // of choosing who agrees and fitting to them
+constexpr double kSharedPositionSigma = 0.03;  // [m]
+constexpr double kSharedHeadingSigma = 0.015;  // [rad] of errors that matches share: of places, of the odometry between
 constexpr double kMaxPositionSigma = 0.15;  // [m] a pose known worse is not claimed
 constexpr double kMaxHeadingSigma = 0.07;   // [rad]
 
@@ -188,6 +190,8 @@ std::optional<Relocalisation> Relocaliser::add(const LandmarkIndex& index, const
       result.landmarks < options_.clear_lead * result.runner_up) {
     return std::nullopt;
   }
+  result.covariance.diagonal() += Eigen::Vector3d(kSharedPositionSigma, kSharedPositionSigma, kSharedHeadingSigma)
+                                      .cwiseAbs2();
   return result;
 }
 
