@@ -149,8 +149,9 @@ void LoopOptions::describe(OptionVisitor& visit) {
   visit.flag("enabled", enabled, "Ask now and then whether an old part of the map is seen from elsewhere.");
   visit.real("interval", interval, {0.05, 60.0}, "s", "So often an image is looked at.");
   visit.real("min_age", min_age, {1.0, 3600.0}, "s", "Landmarks unseen for this long are an old part of the map.");
-  visit.real("min_drift", min_drift, {0.0, 100.0}, "m",
-             "A pose off by less, and by less than the turn, is left to the search regions, which measure it better...");
+  visit.real(
+      "min_drift", min_drift, {0.0, 100.0}, "m",
+      "A pose off by less, and by less than the turn, is left to the search regions, which measure it better...");
   visit.real("min_turn_drift", min_turn_drift, {0.0, 180.0}, "deg", "...and this is the turn.");
   visit.real("max_drift", max_drift, {0.0, 1.0}, "", "Share of the way driven the pose may have drifted.");
   visit.real("max_turn_drift", max_turn_drift, {0.0, 180.0}, "deg", "The heading may have drifted so far.");

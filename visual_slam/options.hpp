@@ -149,10 +149,10 @@ struct RelocalisationOptions {
 /// How loops are closed whose drift is beyond the filter's search regions.
 struct LoopOptions {
   bool enabled = true;
-  double interval = 0.5;  ///< [s]
-  double min_age = 20.0;  ///< [s]
-  double min_drift = 0.25;       ///< [m]
-  double min_turn_drift = 6.0;   ///< [deg]
+  double interval = 0.5;        ///< [s]
+  double min_age = 20.0;        ///< [s]
+  double min_drift = 0.25;      ///< [m]
+  double min_turn_drift = 6.0;  ///< [deg]
   double max_drift = 0.1;
   double max_turn_drift = 25.0;  ///< [deg]
 

@@ -16,16 +16,16 @@ namespace {
 using common::Nanoseconds;
 using common::Pose2;
 
-constexpr double kElsewhere = 0.7;          // [m]
-constexpr double kElsewhereTurn = 0.35;     // [rad] poses nearer than these to each other are the same answer
-constexpr std::size_t kRace = 4;            // hypotheses carried to the next image
-constexpr double kLandmarkSigmas = 2.0;     // of a landmark's own uncertainty it may be off
-constexpr double kSmallBaseline = 0.2;      // [m] two landmarks nearer than this do not tell a pose
-constexpr int kRounds = 3;                  // of choosing who agrees and fitting to them
+constexpr double kElsewhere = 0.7;             // [m]
+constexpr double kElsewhereTurn = 0.35;        // [rad] poses nearer than these to each other are the same answer
+constexpr std::size_t kRace = 4;               // hypotheses carried to the next image
+constexpr double kLandmarkSigmas = 2.0;        // of a landmark's own uncertainty it may be off
+constexpr double kSmallBaseline = 0.2;         // [m] two landmarks nearer than this do not tell a pose
+constexpr int kRounds = 3;                     // of choosing who agrees and fitting to them
 constexpr double kSharedPositionSigma = 0.03;  // [m]
 constexpr double kSharedHeadingSigma = 0.015;  // [rad] of errors that matches share: of places, of the odometry between
-constexpr double kMaxPositionSigma = 0.15;  // [m] a pose known worse is not claimed
-constexpr double kMaxHeadingSigma = 0.07;   // [rad]
+constexpr double kMaxPositionSigma = 0.15;     // [m] a pose known worse is not claimed
+constexpr double kMaxHeadingSigma = 0.07;      // [rad]
 
 bool elsewhere(const Pose2& a, const Pose2& b) {
   return (a.translation() - b.translation()).norm() > kElsewhere ||
@@ -190,8 +190,8 @@ std::optional<Relocalisation> Relocaliser::add(const LandmarkIndex& index, const
       result.landmarks < options_.clear_lead * result.runner_up) {
     return std::nullopt;
   }
-  result.covariance.diagonal() += Eigen::Vector3d(kSharedPositionSigma, kSharedPositionSigma, kSharedHeadingSigma)
-                                      .cwiseAbs2();
+  result.covariance.diagonal() +=
+      Eigen::Vector3d(kSharedPositionSigma, kSharedPositionSigma, kSharedHeadingSigma).cwiseAbs2();
   return result;
 }
 
