@@ -60,6 +60,13 @@ TEST_F(Operator, AsksForThingsWhileTheRobotDrives) {
   EXPECT_THAT(run_program({"call", "align_now"}).err, HasSubstr("align"));
   EXPECT_THAT(run_program({"call", "reinitialize_global_localization"}).err, HasSubstr("first set_mode localization"));
 
+  // There is nothing to localise in before the robot has seen something from more than one place.
+  for (double way = 0.0; way < 1.0;) {
+    const auto pose = poses.take(20s).value();
+    ASSERT_TRUE(pose);
+    const idl::Point& at = (*pose)->pose.pose.position;
+    way = std::hypot(at.x, at.y);
+  }
   const Outcome localises = run_program({"call", "set_mode", "localization"});
   EXPECT_EQ(localises.exit_status, 0) << localises.err;
   EXPECT_THAT(localises.out, HasSubstr("running in mode localization"));
