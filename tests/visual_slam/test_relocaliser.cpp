@@ -34,7 +34,7 @@ class RelocaliserTest : public ::testing::Test {
   Image look(int step) {
     testing::Noise noise(7 + static_cast<unsigned>(step));
     Image image;
-    image.glimpse = {.stamp = step * 100'000'000, .odometry = odometry(step), .camera = &camera_};
+    image.glimpse = {.stamp = common::Nanoseconds{step} * 100'000'000, .odometry = odometry(step), .camera = &camera_};
     image.picture = cv::Mat(480, 640, CV_8UC1);
     for (auto pixel = image.picture.begin<std::uint8_t>(); pixel != image.picture.end<std::uint8_t>(); ++pixel) {
       *pixel = static_cast<std::uint8_t>(255.0 * noise.uniform());
