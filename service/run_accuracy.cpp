@@ -29,7 +29,7 @@ common::Result<void> judge(const RunRequest& request, const std::set<std::string
 
   for (const auto& [source, counters] : summary.counters) {
     const auto trajectory = summary.log.trajectories.find(source);
-    if (trajectory == summary.log.trajectories.end()) {
+    if (trajectory == summary.log.trajectories.end() || trajectory->second.empty()) {
       summary.coverage[source] = 0.0;
     } else if (request.live) {  // where the trajectory is thinned
       const auto covered = static_cast<double>(summary.log.covered.at(source));

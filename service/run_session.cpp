@@ -335,8 +335,10 @@ void RunSession::gather(RunSummary& summary) const {
   summary.log.events.insert(summary.log.events.end(), fused.events.begin(), fused.events.end());
 
   for (const auto source : {PoseSource::kOdometry, PoseSource::kLaser, PoseSource::kVisual, PoseSource::kFused}) {
-    const bool ran = summary.counters.contains(source) || summary.log.trajectories.contains(source);
-    if (ran) summary.trajectories.push_back({common::to_string(source), summary.log.trajectories[source]});
+    const auto found = summary.log.trajectories.find(source);
+    const bool tracked = found != summary.log.trajectories.end();
+    if (!tracked && !summary.counters.contains(source)) continue;
+    summary.trajectories.push_back({common::to_string(source), tracked ? found->second : common::Trajectory2{}});
   }
   if (laser()) summary.trajectories.push_back({"laser_final", laser_final});
   if (visual()) summary.trajectories.push_back({"visual_final", visual_final});

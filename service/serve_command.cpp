@@ -126,6 +126,18 @@ class Session {
   bool can_continue_ = false;
 };
 
+/// Nobody waits for an answer of a service that has ended, however it ended.
+class ClosedAtEnd {
+ public:
+  explicit ClosedAtEnd(ServeControl& control) : control_(control) {}
+  ClosedAtEnd(const ClosedAtEnd&) = delete;
+  ClosedAtEnd& operator=(const ClosedAtEnd&) = delete;
+  ~ClosedAtEnd() { control_.close(); }
+
+ private:
+  ServeControl& control_;
+};
+
 /// One session after the other, until one fails or `stop` is set.
 Result<std::string> run_sessions(const idl::Participant& participant, LiveSource& source, ServeControl& control,
                                  RunRequest run, const Tell& tell, const std::atomic<bool>& stop) {
@@ -184,9 +196,8 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
   RunRequest run = request.run;
   run.recording = (*source)->info().path;
   run.live = true;
-  auto outcome = run_sessions(*participant, **source, control, run, tell, stop);
-  control.close();
-  return outcome;
+  const ClosedAtEnd closed(control);
+  return run_sessions(*participant, **source, control, run, tell, stop);
 }
 
 }  // namespace slamfuse::service
