@@ -88,13 +88,15 @@ class Session {
     if (done) done = (*folder)->publish();
     if (!done) return tl::unexpected(done.error());
     (*publisher)->finish(final_state_of(*summary));
-    if (!has_pose(*summary)) return common::failed("no module could make a pose of what was heard");
+    has_pose_ = service::has_pose(*summary);
     can_continue_ = !summary->laser_state.empty();
     return in_words(*summary, (*folder)->path());
   }
 
   /// Whether its modules could be made.
   bool started() const { return started_; }
+  /// Whether it ever knew where the robot was.
+  bool has_pose() const { return has_pose_; }
   /// Whether its map can be gone on with.
   bool can_continue() const { return can_continue_; }
 
@@ -123,6 +125,7 @@ class Session {
   const RunRequest& request_;
   const Tell& tell_;
   bool started_ = false;
+  bool has_pose_ = false;
   bool can_continue_ = false;
 };
 
@@ -152,7 +155,11 @@ Result<std::string> run_sessions(const idl::Participant& participant, LiveSource
       continue;
     }
     const auto restart = source.restart_wanted();
-    if (!outcome || !restart || stop) return outcome;
+    if (!outcome) return outcome;
+    if (!restart || stop) {
+      if (!session.has_pose()) return common::failed("no module could make a pose of what was heard");
+      return outcome;
+    }
     if (session.can_continue() && run.mode == RunMode::kSlam) run.map = run.out / "map";
     before = {run.mode, run.map};
     if (const auto wanted = control.wanted()) {
