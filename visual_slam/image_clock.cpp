@@ -27,6 +27,7 @@ constexpr std::size_t kFitInterval = 10;   // pictures from one fit to the next
 constexpr std::size_t kEnoughTurns = 100;  // after so many a clock that is right is not watched any more
 constexpr double kBetter = 0.8;            // misfit over that of the stamps as they are
 constexpr double kSignificance = 5.0;      // standard deviations
+constexpr int kEnoughWidth = 400;          // [px] of pictures; turns are seen well enough in halves of wider ones
 constexpr Nanoseconds kLongestStep = common::kNanosecondsPerSecond;  // from picture to picture
 
 /// Where one feature is seen in two pictures: unit vectors in base_link's axes at the time of each.
@@ -35,9 +36,8 @@ struct RayPair {
   Eigen::Vector3d after;
 };
 
-Eigen::Vector3d ray_of(const Camera& camera, const cv::Point2f& pixel) {
-  const Eigen::Vector2d point =
-      camera.calibration.undistort({static_cast<double>(pixel.x), static_cast<double>(pixel.y)});
+Eigen::Vector3d ray_of(const Camera& camera, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d point = camera.calibration.undistort(pixel);
   return (camera.R_base_camera * point.homogeneous()).normalized();
 }
 
@@ -155,6 +155,17 @@ double ImageClock::misfit(double offset) const {
   return values.size() < kFewestTurns ? kInfinity : truncated_mean(values);
 }
 
+ImageClock::Small ImageClock::shrunk(const cv::Mat& picture) {
+  Small small{picture, 1.0};
+  while (small.picture.cols > kEnoughWidth) {
+    cv::Mat half;
+    cv::pyrDown(small.picture, half);
+    small = {half, 2.0 * small.scale};
+  }
+  if (small.scale == 1.0) small.picture = picture.clone();
+  return small;
+}
+
 std::optional<double> ImageClock::turn_to(const cv::Mat& after, double distance) {
   constexpr int kFeatures = 80;
   constexpr std::size_t kFewest = 15;
@@ -163,29 +174,32 @@ std::optional<double> ImageClock::turn_to(const cv::Mat& after, double distance)
   const cv::Size window(21, 21);
   constexpr int kLevels = 3;
   constexpr float kLargestError = 20.0F;
+  const Small before = std::exchange(last_, shrunk(after));
   std::vector<cv::Point2f> corners;
-  if (!last_picture_.empty()) cv::goodFeaturesToTrack(last_picture_, corners, kFeatures, kQuality, kApart);
-  std::vector<ExpectedFeature> unmoved;
-  for (const cv::Point2f& corner : corners) {
-    const Eigen::Vector2d pixel(static_cast<double>(corner.x), static_cast<double>(corner.y));
-    unmoved.push_back({0, pixel, pixel});
+  if (!before.picture.empty()) {
+    cv::goodFeaturesToTrack(before.picture, corners, kFeatures, kQuality, kApart / before.scale);
   }
+  const auto pixel_at = [&before](const cv::Point2f& point) -> Eigen::Vector2d {
+    return before.scale * Eigen::Vector2d(static_cast<double>(point.x), static_cast<double>(point.y));
+  };
+  std::vector<ExpectedFeature> unmoved;
+  for (const cv::Point2f& corner : corners) unmoved.push_back({0, pixel_at(corner), pixel_at(corner)});
   const double about = search_.find(0, camera_, after, unmoved);
   if (corners.size() < kFewest) return std::nullopt;
   std::vector<cv::Point2f> found;
   for (const ExpectedFeature& feature : unmoved) {
-    const Eigen::Vector2d pixel = turned_pixel(camera_, feature.last, about).value_or(feature.last);
+    const Eigen::Vector2d pixel = turned_pixel(camera_, feature.last, about).value_or(feature.last) / before.scale;
     found.emplace_back(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()));
   }
   std::vector<unsigned char> is_found;
   std::vector<float> errors;
   const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
-  cv::calcOpticalFlowPyrLK(last_picture_, after, corners, found, is_found, errors, window, kLevels, until,
+  cv::calcOpticalFlowPyrLK(before.picture, last_.picture, corners, found, is_found, errors, window, kLevels, until,
                            cv::OPTFLOW_USE_INITIAL_FLOW);
   std::vector<RayPair> rays;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (is_found[i] == 0 || errors[i] > kLargestError) continue;
-    rays.push_back({ray_of(camera_, corners[i]), ray_of(camera_, found[i])});
+    rays.push_back({ray_of(camera_, pixel_at(corners[i])), ray_of(camera_, pixel_at(found[i]))});
   }
   if (rays.size() < kFewest) return std::nullopt;
   return turn_of(rays, camera_.t_base_camera.head<2>(), distance);
@@ -238,7 +252,6 @@ std::optional<double> ImageClock::watch(const cv::Mat& picture, Nanoseconds stam
   if (settled_ || !options_.correct) return std::nullopt;
   const std::optional<double> turn = turn_to(picture, distance(last_stamp_ + correction_, stamp + correction_));
   const Nanoseconds from = std::exchange(last_stamp_, stamp);
-  last_picture_ = picture.clone();
   if (stamp <= from || stamp - from > kLongestStep) return std::nullopt;
   if (turn) turns_.push_back({from, stamp, *turn});
   while (!turns_.empty() && turns_.front().from < stamp - common::from_seconds(options_.memory)) turns_.pop_front();

@@ -57,6 +57,13 @@ class ImageClock {
     std::size_t turns = 0;
   };
 
+  /// A picture as small as it may be: one of its pixels is `scale` wide in the camera's.
+  struct Small {
+    cv::Mat picture;
+    double scale = 1.0;
+  };
+
+  static Small shrunk(const cv::Mat& picture);
   /// From the last picture to this one [rad], in which time the robot drove about `distance` [m].
   std::optional<double> turn_to(const cv::Mat& after, double distance);
   std::optional<Place> place_at(common::Nanoseconds stamp) const;
@@ -72,7 +79,7 @@ class ImageClock {
   TurnSearch search_;
   std::deque<Place> places_;
   std::deque<Turn> turns_;
-  cv::Mat last_picture_;
+  Small last_;
   common::Nanoseconds last_stamp_ = 0;
   common::Nanoseconds correction_ = 0;
   std::size_t since_fit_ = 0;

@@ -4,20 +4,10 @@
 #include <algorithm>
 
 namespace slamfuse::visual_slam {
-namespace {
-
 using common::Pose3;
 
-/// A pose known well: its place in the path and what the filter and the odometry say of it.
-struct Support {
-  std::size_t entry;
-  Pose3 corrected;
-};
-
-}  // namespace
-
-void PathRecorder::add(common::Nanoseconds stamp, const Pose3& odometry, const Pose3& estimate) {
-  entries_.push_back({stamp, segment_, odometry, estimate, false});
+void PathRecorder::add(common::Nanoseconds stamp, const Pose3& odometry, const Pose3& estimate, bool lost) {
+  entries_.push_back({stamp, segment_, odometry, estimate, lost, false});
 }
 
 void PathRecorder::restart_since(common::Nanoseconds since) {
@@ -29,21 +19,23 @@ void PathRecorder::restart_since(common::Nanoseconds since) {
 }
 
 void PathRecorder::freeze(const Ekf& filter) {
-  const common::Trajectory3 believed = path_from(frozen_, filter);
-  for (std::size_t i = frozen_; i < entries_.size(); ++i) entries_[i].estimate = believed[i - frozen_].pose;
+  const std::vector<std::optional<Pose3>> believed = poses_from(frozen_, filter);
+  for (std::size_t i = frozen_; i < entries_.size(); ++i) entries_[i].estimate = believed[i - frozen_];
   frozen_ = entries_.size();
   start_segment();
 }
 
 common::Trajectory3 PathRecorder::path(const Ekf& filter) const {
+  const std::vector<std::optional<Pose3>> believed = poses_from(frozen_, filter);
   common::Trajectory3 path;
-  for (std::size_t i = 0; i < frozen_; ++i) path.push_back({entries_[i].stamp, entries_[i].estimate});
-  const common::Trajectory3 rest = path_from(frozen_, filter);
-  path.insert(path.end(), rest.begin(), rest.end());
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const std::optional<Pose3>& pose = i < frozen_ ? entries_[i].estimate : believed[i - frozen_];
+    if (pose) path.push_back({entries_[i].stamp, *pose});
+  }
   return path;
 }
 
-common::Trajectory3 PathRecorder::path_from(std::size_t first, const Ekf& filter) const {
+std::vector<PathRecorder::Support> PathRecorder::supports_from(std::size_t first, const Ekf& filter) const {
   std::vector<Support> supports;
   std::size_t entry = first;
   for (const PastPose& past : filter.past_poses()) {
@@ -53,14 +45,19 @@ common::Trajectory3 PathRecorder::path_from(std::size_t first, const Ekf& filter
       supports.push_back({entry, filter.spatial_past_pose(past)});
     }
   }
-  if (entries_.size() > first) supports.push_back({entries_.size() - 1, filter.spatial_pose()});
+  if (entries_.size() > first && !entries_.back().lost) {
+    supports.push_back({entries_.size() - 1, filter.spatial_pose()});
+  }
+  return supports;
+}
 
-  common::Trajectory3 path;
-  path.reserve(entries_.size() - first);
+std::vector<std::optional<Pose3>> PathRecorder::poses_from(std::size_t first, const Ekf& filter) const {
+  const std::vector<Support> supports = supports_from(first, filter);
+  std::vector<std::optional<Pose3>> poses;
+  poses.reserve(entries_.size() - first);
   std::size_t next = 0;  // first support at or after the entry
   for (std::size_t i = first; i < entries_.size(); ++i) {
     const Entry& here = entries_[i];
-    path.push_back({here.stamp, here.estimate});
     while (next < supports.size() && supports[next].entry < i) ++next;
     const auto carried_from = [&](const Support& support) {
       return support.corrected * entries_[support.entry].odometry.inverse() * here.odometry;
@@ -73,14 +70,18 @@ common::Trajectory3 PathRecorder::path_from(std::size_t first, const Ekf& filter
       const double fraction = static_cast<double>(here.stamp - entries_[before.entry].stamp) /
                               static_cast<double>(std::max<common::Nanoseconds>(
                                   1, entries_[after.entry].stamp - entries_[before.entry].stamp));
-      path.back().pose = common::interpolate(carried_from(before), carried_from(after), fraction);
+      poses.emplace_back(common::interpolate(carried_from(before), carried_from(after), fraction));
+    } else if (here.lost) {
+      poses.emplace_back(std::nullopt);
     } else if (has_before) {
-      path.back().pose = carried_from(supports[next - 1]);
+      poses.emplace_back(carried_from(supports[next - 1]));
     } else if (has_after) {
-      path.back().pose = carried_from(supports[next]);
+      poses.emplace_back(carried_from(supports[next]));
+    } else {
+      poses.push_back(here.estimate);
     }
   }
-  return path;
+  return poses;
 }
 
 }  // namespace slamfuse::visual_slam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/trajectory.hpp"
@@ -12,18 +13,19 @@ namespace slamfuse::visual_slam {
 ///
 /// Keyframe poses are part of the filter's state, so each later measurement (above all a loop closure) corrects them
 /// through the cross-covariances: that is the smoothing. An estimate between two keyframes hangs on both by the wheel
-/// odometry in between, and the two answers are blended by time.
+/// odometry in between, and the two answers are blended by time. An estimate made while lost is part of the path only
+/// between two keyframes that hang together: else nobody knows whether the robot was carried before or after it.
 class PathRecorder {
  public:
   /// An estimate was made; `odometry` is T_odom_base at its stamp.
-  void add(common::Nanoseconds stamp, const common::Pose3& odometry, const common::Pose3& estimate);
+  void add(common::Nanoseconds stamp, const common::Pose3& odometry, const common::Pose3& estimate, bool lost);
   /// The pose is about to be replaced from outside: nothing is blended across this point.
   void start_segment() { ++segment_; }
   /// The estimates since `since` turned out to be somewhere else: they hang on what comes after them.
   void restart_since(common::Nanoseconds since);
   /// The map is about to be forgotten: the path so far stays as `filter` believes it now.
   void freeze(const Ekf& filter);
-  /// Planar filters keep it in the plane z = 0.
+  /// In the order of the stamps. Planar filters keep it in the plane z = 0.
   common::Trajectory3 path(const Ekf& filter) const;
 
  private:
@@ -31,12 +33,20 @@ class PathRecorder {
     common::Nanoseconds stamp;
     int segment;
     common::Pose3 odometry;
-    common::Pose3 estimate;
+    std::optional<common::Pose3> estimate;  // none: frozen while lost
+    bool lost;
     bool misplaced;  // no keyframe there counts
   };
+  /// A pose known well: its place in the path and what the filter says of it now.
+  struct Support {
+    std::size_t entry;
+    common::Pose3 corrected;
+  };
 
-  /// The poses from an entry on.
-  common::Trajectory3 path_from(std::size_t first, const Ekf& filter) const;
+  /// From an entry on, in their order.
+  std::vector<Support> supports_from(std::size_t first, const Ekf& filter) const;
+  /// The poses from an entry on, as far as they are known.
+  std::vector<std::optional<common::Pose3>> poses_from(std::size_t first, const Ekf& filter) const;
 
   std::vector<Entry> entries_;
   int segment_ = 0;

@@ -548,8 +548,9 @@ class VisualSlam::Implementation {
     result.events = std::move(events);
     if (!has_odometry()) odometry_pose_ = result.pose;
     const Pose3 believed = filter_.spatial_pose();
-    path_.add(*newest_, has_odometry() ? common::to_pose3(odometry_pose_) : believed, believed);
-    if (localising_ && result.state != common::TrackingState::kLost) path_.freeze(filter_);
+    const bool lost = result.state == common::TrackingState::kLost;
+    path_.add(*newest_, has_odometry() ? common::to_pose3(odometry_pose_) : believed, believed, lost);
+    if (localising_ && !lost) path_.freeze(filter_);
     return result;
   }
 
