@@ -345,7 +345,8 @@ void Fusion::State::command_lost_halves(FusionOutput& output) {
   if (map_frame != PoseSource::kLaser || !keeper.accepted() || !filter.started()) return;
   for (const PoseSource target : {PoseSource::kLaser, PoseSource::kVisual}) {
     const SourceMonitor& monitor = monitors.at(target);
-    const bool contradicted = monitor.overruled_for(now) >= options.supervision.contradiction_time;
+    const bool bent = target == PoseSource::kVisual && options.supervision.visual_scale_drifts;
+    const bool contradicted = !bent && monitor.overruled_for(now) >= options.supervision.contradiction_time;
     const bool lost = monitor.lost_for(now).value_or(0.0) >= options.supervision.help_after;
     const bool in_need = monitor.heard() && (lost || contradicted);
     if (!in_need || !monitors.at(other_half(target)).healthy(now)) continue;

@@ -20,6 +20,7 @@ struct SupervisionOptions {
   double visual_only_after = 1.0;
   double help_after = 1.0;
   double contradiction_time = 5.0;
+  bool visual_scale_drifts = false;
   double command_interval = 5.0;
   double status_interval = 1.0;
 
@@ -40,6 +41,10 @@ struct SupervisionOptions {
         "after a carry it may take a moment longer to notice.");
     visit.real("contradiction_time", contradiction_time, {0.1, 600.0}, "s",
                "A half that still claims to track is told its pose after the other half has overruled it this long.");
+    visit.flag("visual_scale_drifts", visual_scale_drifts,
+               "The visual poses come without a scale of their own (always so of our visual half without wheel "
+               "odometry). While such a half tracks, what contradicts the laser is a bent map and not a wrong place, "
+               "so it is not told its pose: that would tear its map apart.");
     visit.real("command_interval", command_interval, {0.1, 600.0}, "s", "A half is told its pose at most this often.");
     visit.real("status_interval", status_interval, {0.05, 60.0}, "s", "Status rows are written at least this often.");
   }

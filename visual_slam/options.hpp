@@ -14,7 +14,7 @@ enum class MotionModelKind { kOdometry, kConstantVelocity, kFreeCamera };
 struct ConstantVelocityOptions {
   double initial_speed_sigma = 0.4;       ///< [1/s]
   double initial_turn_rate_sigma = 40.0;  ///< [deg/s]
-  double speed_noise = 0.1;               ///< [1/s / sqrt(s)]
+  double speed_noise = 0.05;              ///< [1/s / sqrt(s)]
   double turn_rate_noise = 80.0;          ///< [deg/s / sqrt(s)]
   double lateral_noise = 0.01;            ///< [1/sqrt(1)]
   double lever_scale_sigma = 0.5;

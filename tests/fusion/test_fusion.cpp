@@ -250,6 +250,22 @@ TEST(Fusion, AJumpOfOneHalfIsOverruledByTheOtherAndTheHalfIsToldItsPose) {
   EXPECT_TRUE(suspect);
 }
 
+// A map without a scale of its own bends: told another pose it would lose what holds it together.
+TEST(Fusion, AVisualHalfWithoutScaleIsNotToldItsPoseWhileItTracks) {
+  const auto bent = [](int step, common::PoseEstimate& visual) {
+    if (step >= 800) visual.pose.x += 2.0;
+    return true;
+  };
+  const auto commands = [&bent](bool scale_drifts) {
+    FusionOptions options;
+    options.supervision.visual_scale_drifts = scale_drifts;
+    const auto fusion = Fusion::create(options).value();
+    return drive(*fusion, 1200, {.visual = bent}).commands.size();
+  };
+  EXPECT_GE(commands(false), 1u);
+  EXPECT_EQ(commands(true), 0u);
+}
+
 /// The step at which a half that is lost from step 800 on is told its pose, one second later.
 constexpr int kHelped = 820;
 
