@@ -9,7 +9,7 @@ if(SLAMFUSE_SANITIZE)
   add_compile_options(-fsanitize=${SLAMFUSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${SLAMFUSE_SANITIZE})
   # What the sanitizers put in makes gcc take Eigen's variables for uninitialised; the release build warns of real ones.
-  target_compile_options(slamfuse_compile_options INTERFACE -Wno-maybe-uninitialized)
+  target_compile_options(slamfuse_compile_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endif()
 
 # Every target is instrumented for libFuzzer; the programs of tests/fuzz link it. Needs clang.

@@ -153,7 +153,8 @@ void measure_headings(const std::vector<PosePair>& pairs, const std::vector<bool
 }
 
 Alignment evaluate_method(const JudgedPairs& judged, AlignmentMethod method, const AlignmentOptions& options) {
-  const auto& [pairs, affine, trusted] = judged;
+  const auto& [pairs, affine, trusted_pairs] = judged;
+  const auto& trusted = trusted_pairs;  // what a lambda may capture
   Alignment alignment;
   alignment.method = method;
   alignment.pairs = pairs.size();
