@@ -17,6 +17,7 @@
 #include <cstring>
 #include <exception>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -116,6 +117,10 @@ std::string told_by(const std::exception& error) {
   return std::string(text.substr(std::min(begin, text.size()), text.find('\n', begin) - begin));
 }
 
+/// A frame holds the observations of one moment. MRPT makes room for as many as the file says before it reads one.
+constexpr std::uint32_t kMostInFrame = 10'000;
+constexpr std::string_view kFrameClass = "mrpt::obs::CSensoryFrame";
+
 }  // namespace
 
 /// What MRPT reads its serialised objects from: our decompressed bytes. Tells data that ends between two objects from
@@ -139,6 +144,7 @@ class RawlogEntries::Archive final : public mrpt::serialization::CArchive {
 
  private:
   void fill();
+  void check_frame(std::string_view just_read);
   [[noreturn]] void fail(const std::string& reason);
 
   std::unique_ptr<ByteSource> source_;
@@ -146,6 +152,7 @@ class RawlogEntries::Archive final : public mrpt::serialization::CArchive {
   std::size_t begin_ = 0;  ///< of the unread bytes in buffer_
   std::size_t end_ = 0;
   bool object_begun_ = false;
+  bool frame_begun_ = false;  ///< the name of a frame was read, its number of observations was not
   bool ended_between_objects_ = false;
   std::string failure_;
 };
@@ -177,6 +184,7 @@ size_t RawlogEntries::Archive::read(void* buffer, size_t length) {
     size += count;
   }
   object_begun_ = true;
+  check_frame({static_cast<const char*>(buffer), size});
   return size;
 }
 
@@ -192,6 +200,18 @@ void RawlogEntries::Archive::fill() {
   }
   begin_ = 0;
   end_ = *count;
+}
+
+/// Behind a frame's name come its version, in old ones a stamp of 8 bytes, and the number of its observations.
+void RawlogEntries::Archive::check_frame(std::string_view just_read) {
+  std::uint32_t count = 0;
+  if (just_read == kFrameClass) {
+    frame_begun_ = true;
+  } else if (frame_begun_ && just_read.size() == sizeof(count)) {
+    frame_begun_ = false;
+    std::memcpy(&count, just_read.data(), sizeof(count));
+    if (count > kMostInFrame) fail("a frame says it holds " + std::to_string(count) + " observations");
+  }
 }
 
 /// Keeps the reason, because MRPT throws another exception on the way up.

@@ -61,6 +61,8 @@ std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const
 
 }  // namespace
 
+std::string to_string(Direction direction) { return direction == Direction::kInput ? "input" : "output"; }
+
 std::vector<Diagnosis> InputDiagnostics::look(const std::vector<InputState>& inputs, Time now) {
   std::vector<Diagnosis> diagnoses;
   for (const InputState& input : inputs) {
@@ -79,7 +81,7 @@ std::vector<Diagnosis> InputDiagnostics::look(const std::vector<InputState>& inp
     if (!heard && !input.required && (!input.in_use || input.writers == 0)) continue;
 
     const auto age = age_of(input, now);
-    Diagnosis diagnosis{input.topic, DiagnosisLevel::kOk, {}, {}};
+    Diagnosis diagnosis{input.topic, DiagnosisLevel::kOk, {}, {}, Direction::kInput};
     std::tie(diagnosis.level, diagnosis.message) = verdict_on(input, before, seen.rate, age);
     diagnosis.values = {{"sensor", input.sensor},
                         {"type", input.type},
@@ -111,7 +113,7 @@ idl::Message<idl::DiagnosticArray> to_ros_diagnostics(common::Nanoseconds stamp,
     const Diagnosis& diagnosis = diagnoses[i];
     idl::DiagnosticStatus& status = message->status._buffer[i];
     status.level = static_cast<std::uint8_t>(diagnosis.level);
-    idl::assign(status.name, "slamfuse: input " + diagnosis.topic);
+    idl::assign(status.name, "slamfuse: " + to_string(diagnosis.direction) + " " + diagnosis.topic);
     idl::assign(status.message, diagnosis.message);
     idl::assign(status.hardware_id, "slamfuse");
     idl::allocate(status.values, diagnosis.values.size());

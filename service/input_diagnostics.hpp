@@ -18,12 +18,19 @@ namespace slamfuse::service {
 /// How bad it is, as in diagnostic_msgs/DiagnosticStatus.
 enum class DiagnosisLevel : std::uint8_t { kOk = 0, kWarning = 1, kError = 2 };
 
+/// Which way a topic's messages go.
+enum class Direction : std::uint8_t { kInput, kOutput };
+
+/// "input" or "output".
+std::string to_string(Direction direction);
+
 /// The verdict on one topic.
 struct Diagnosis {
   std::string topic;
   DiagnosisLevel level = DiagnosisLevel::kOk;
   std::string message;
   std::vector<std::pair<std::string, std::string>> values;  ///< type, rate, age, counters
+  Direction direction = Direction::kInput;
 };
 
 /// Says of every topic of a live source what is wrong with it, from one look to the next. A topic that nobody

@@ -240,6 +240,18 @@ TEST_F(RawlogRecordingTest, ReadsAnyTruncationWithoutCrash) {
   }
 }
 
+// MRPT makes room for all of them first: found by fuzzing.
+TEST_F(RawlogRecordingTest, RefusesAFrameOfBillions) {
+  std::string bytes = action_observation_log();
+  const std::string name = "mrpt::obs::CSensoryFrame";
+  const std::size_t count = bytes.rfind(name) + name.size() + 1;  // behind the version
+  bytes.replace(count, 4, "\xff\xff\xff\x7f");
+  const Contents contents = read(bytes);
+  ASSERT_FALSE(contents.error);
+  ASSERT_EQ(contents.rejected.size(), 1U);
+  EXPECT_THAT(contents.rejected[0].reason, HasSubstr("a frame says it holds 2147483647 observations"));
+}
+
 TEST_F(RawlogRecordingTest, ReadsGzip) {
   const std::string bytes = action_observation_log();
   const gzFile file = gzopen(file_.c_str(), "wb");
