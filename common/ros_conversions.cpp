@@ -158,6 +158,7 @@ Result<GrayImage> to_gray(const RosImage& image, ImageSize expected) {
     return invalid_input(fmt::format("image of {}x{} pixels, its calibration is for {}x{}", image.width, image.height,
                                      expected.width, expected.height));
   }
+  if (image.width == 0 || image.height == 0) return invalid_input("image without pixels");
   const std::size_t row_bytes = image.width * layout->bytes;
   if (image.step < row_bytes || image.data.size() / image.height < image.step) {
     return invalid_input(

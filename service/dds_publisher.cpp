@@ -156,7 +156,9 @@ void DdsPublisher::on_map(common::Nanoseconds stamp, const std::shared_ptr<const
   if (map && state_->map_limit.due()) state_->send(state_->map, to_ros_grid({stamp, kMapFrame}, *map));
 }
 
-void DdsPublisher::finish(const DdsFinalState& final_state) {
+double DdsPublisher::linger() const { return state_->options.linger; }
+
+void DdsPublisher::finish(const DdsFinalState& final_state, double patience) {
   const RosHeader header{state_->newest_stamp, kMapFrame};
   if (final_state.map) state_->send(state_->map, to_ros_grid(header, *final_state.map));
   const std::pair<PoseSource, const common::Trajectory2&> paths[] = {{PoseSource::kLaser, final_state.laser},
@@ -168,7 +170,7 @@ void DdsPublisher::finish(const DdsFinalState& final_state) {
   if (!final_state.landmarks.empty()) {
     state_->send(state_->landmarks, to_ros_cloud(header, final_state.landmarks));
   }
-  const Deadline deadline(state_->options.linger);
+  const Deadline deadline(patience);
   state_->for_each_writer([&](const auto& writer) { writer.wait_for_acknowledgments(deadline.left()); });
 }
 

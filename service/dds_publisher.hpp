@@ -51,11 +51,14 @@ class DdsPublisher : public PipelineObserver {
   void on_map(common::Nanoseconds stamp, const std::shared_ptr<const common::OccupancyGrid>& map) override;
 
   /// Publishes the outcome and waits until the listeners have it, as long as the options allow.
-  void finish(const DdsFinalState& state);
+  void finish(const DdsFinalState& state) { finish(state, linger()); }
+  /// The same, waiting so long [s] at most.
+  void finish(const DdsFinalState& state, double patience);
 
   const UnsentMessages& unsent() const;
 
  private:
+  double linger() const;
   struct State;
   explicit DdsPublisher(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

@@ -25,6 +25,9 @@ namespace {
 using common::Result;
 using Tell = std::function<void(const std::string&)>;
 
+/// At most so long [s] a session waits at its end for its listeners, when another one follows.
+constexpr double kLingerBetween = 0.2;
+
 /// The live source as one session's recording: the source outlives the session.
 class BorrowedSource final : public common::Recording {
  public:
@@ -67,8 +70,9 @@ bool wants(const RunRequest& run, const std::string& module) {
 /// From one set of modules to their results in the output folder.
 class Session {
  public:
-  Session(const idl::Participant& participant, ServeControl& control, const RunRequest& request, const Tell& tell)
-      : participant_(participant), control_(control), request_(request), tell_(tell) {}
+  Session(const idl::Participant& participant, ServeControl& control, const RunRequest& request, const Tell& tell,
+          const std::atomic<bool>& stop)
+      : participant_(participant), control_(control), request_(request), tell_(tell), stop_(stop) {}
 
   Result<std::string> run(LiveSource& source) {
     auto session = RunSession::create(request_, std::make_unique<BorrowedSource>(source));
@@ -87,7 +91,8 @@ class Session {
     auto done = write_run_files(*summary, **folder);
     if (done) done = (*folder)->publish();
     if (!done) return tl::unexpected(done.error());
-    (*publisher)->finish(final_state_of(*summary));
+    // One that another session follows must not keep the robot waiting for a listener that has died.
+    (*publisher)->finish(final_state_of(*summary), stop_ ? dds.linger : std::min(dds.linger, kLingerBetween));
     has_pose_ = service::has_pose(*summary);
     can_continue_ = !summary->laser_state.empty();
     return in_words(*summary, (*folder)->path());
@@ -124,6 +129,7 @@ class Session {
   ServeControl& control_;
   const RunRequest& request_;
   const Tell& tell_;
+  const std::atomic<bool>& stop_;
   bool started_ = false;
   bool has_pose_ = false;
   bool can_continue_ = false;
@@ -146,7 +152,7 @@ Result<std::string> run_sessions(const idl::Participant& participant, LiveSource
                                  RunRequest run, const Tell& tell, const std::atomic<bool>& stop) {
   SessionSetup before{run.mode, run.map};
   while (true) {
-    Session session(participant, control, run, tell);
+    Session session(participant, control, run, tell, stop);
     auto outcome = session.run(source);
     if (!outcome && !session.started() && control.wanted()) {
       tell("going on as before: " + outcome.error().message);

@@ -96,5 +96,12 @@ TEST(RosToSensor, RefusesWhatIsNoTimeOrNoPose) {
   EXPECT_FALSE(from_ros(*odometry));
 }
 
+// Found by fuzzing: rows were divided by.
+TEST(ToGray, RefusesAnImageWithoutPixels) {
+  common::RosImage image;
+  image.encoding = "mono8";
+  EXPECT_FALSE(common::to_gray(image, {0, 0}));
+}
+
 }  // namespace
 }  // namespace slamfuse::service
