@@ -83,8 +83,9 @@ int fail(const std::string& message) {
   return EXIT_FAILURE;
 }
 
-void print_row(const char* name, const common::Trajectory2& estimate, const common::Trajectory2& truth) {
-  const auto accuracy = common::evaluate_trajectory(estimate, truth, {});
+void print_row(const char* name, const common::Trajectory2& estimate, const common::Trajectory2& truth,
+               common::EvaluationAlignment align = common::EvaluationAlignment::kSe2) {
+  const auto accuracy = common::evaluate_trajectory(estimate, truth, {.align = align, .T_reference_estimate = {}});
   if (!accuracy) {
     std::printf("%-9s %s\n", name, accuracy.error().message.c_str());
     return;
@@ -161,6 +162,8 @@ class Run {
     return filter_.has(id) ? filter_.likely_position(id) : std::nullopt;
   }
 
+  std::pair<Eigen::VectorXd, double> calibration() const { return {filter_.motion_parameters(), std::sqrt(filter_.state().covariance(1, 1)(0, 0))}; }
+
   common::Trajectory2 online;
   common::Trajectory2 odometry;
   int used = 0;
@@ -189,7 +192,8 @@ class Run {
   std::optional<common::Pose2> keyframe_;
 };
 
-/// Root mean square distance of the estimated landmarks from the true ones after the best rigid motion of the plane.
+/// Root mean square distance of the estimated landmarks from the true ones after the best motion of the plane, and the
+/// same when the map may be scaled, too: nothing but the odometry gives a map of bearings its scale.
 void print_map(const Run& run, const std::vector<Row>& truth) {
   std::vector<Eigen::Vector2d> from, to;
   for (const Row& row : truth) {
@@ -205,18 +209,21 @@ void print_map(const Run& run, const std::vector<Row>& truth) {
     from_mean += from[i] / static_cast<double>(from.size());
     to_mean += to[i] / static_cast<double>(to.size());
   }
-  double sine = 0.0, cosine = 0.0, sum = 0.0;
+  double sine = 0.0, cosine = 0.0, from_square = 0.0, to_square = 0.0;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Eigen::Vector2d a = from[i] - from_mean, b = to[i] - to_mean;
     cosine += a.dot(b);
     sine += a.x() * b.y() - a.y() * b.x();
+    from_square += a.squaredNorm();
+    to_square += b.squaredNorm();
   }
-  const Eigen::Matrix2d turn = common::Pose2{0.0, 0.0, std::atan2(sine, cosine)}.rotation();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    sum += (turn * (from[i] - from_mean) - (to[i] - to_mean)).squaredNorm();
-  }
-  std::printf("map       %zu of %zu landmarks, rmse %.3f m\n", from.size(), truth.size(),
-              std::sqrt(sum / static_cast<double>(from.size())));
+  const double agreement = std::hypot(cosine, sine);
+  const double scale = agreement / from_square;
+  const auto rmse = [&](double s) {
+    return std::sqrt((s * s * from_square - 2.0 * s * agreement + to_square) / static_cast<double>(from.size()));
+  };
+  std::printf("map       %zu of %zu landmarks, rmse %.3f m; scaled by %.3f %.3f m\n", from.size(), truth.size(), rmse(1.0),
+              scale, rmse(scale));
 }
 
 }  // namespace
@@ -259,7 +266,10 @@ int main(int argc, char** argv) {
   print_row("odometry", run.odometry, truth);
   print_row("online", run.online, truth);
   print_row("final", run.final_path(), truth);
+  print_row("final*", run.final_path(), truth, common::EvaluationAlignment::kSim2);
   print_map(run, read_rows(std::string(argv[1]) + "/Landmark_Groundtruth.dat"));
+  const auto numbers = run.calibration();
+  std::printf("odometry's scale %.3f +- %.3f, turns' %.3f, turn per distance %.2f deg/m\n", 1+numbers.first[0], numbers.second, 1+numbers.first[1], common::to_degrees(numbers.first[2]));
   std::printf("%d bearings used, %d rejected\n", run.used, run.rejected);
   return EXIT_SUCCESS;
 }
