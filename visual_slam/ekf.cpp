@@ -255,6 +255,7 @@ void Ekf::learn_depth(const Camera& camera, const Measurement& measurement) {
 UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> measurements) {
   UpdateReport report;
   report.accepted.assign(measurements.size(), false);
+  typical_inverse_depth_.reset();
   correct(camera, measurements, report);
   for (std::size_t i = 0; i < measurements.size(); ++i) {
     if (landmarks_.at(measurements[i].landmark).form != LandmarkForm::kWaiting) continue;
@@ -287,6 +288,9 @@ void Ekf::correct(const Camera& camera, std::span<const Measurement> measurement
   std::vector<std::size_t> accepted;
   for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);
 
+  if (options_.scene_depth_sigma > 0.0 && motion_->is_metric()) {
+    typical_inverse_depth_ = typical_inverse_depth(camera, measurements, accepted);
+  }
   const std::vector<bool> depth_known = which_depths_count(measurements, accepted);
   const Eigen::VectorXd prior = state_.mean();
   for (int iteration = 0; iteration < options_.iterations && !accepted.empty(); ++iteration) {
@@ -389,10 +393,36 @@ void Ekf::add_landmark(LandmarkId landmark, const Camera& camera, const Bearing&
   landmarks_.emplace(landmark, std::move(entry));
 }
 
+/// The median inverse depth of the accepted landmarks whose depth is known: what a new one in this image has, probably.
+std::optional<double> Ekf::typical_inverse_depth(const Camera& camera, std::span<const Measurement> measurements,
+                                                 std::span<const std::size_t> accepted) const {
+  const BodyPose robot = body_pose(state_, robot_);
+  const Eigen::Vector3d axis = robot.rotation * camera.R_base_camera.col(2);
+  std::vector<double> inverse_depths;
+  for (const std::size_t i : accepted) {
+    const LandmarkId id = measurements[i].landmark;
+    if (!depth_is_known(landmarks_.at(id))) continue;
+    const std::optional<Eigen::Vector3d> at = likely_position(id);
+    if (!at) continue;
+    const double depth = axis.dot(*at - camera_centre(camera));
+    if (depth > 0.0) inverse_depths.push_back(1.0 / depth);
+  }
+  if (static_cast<int>(inverse_depths.size()) < options_.min_known_depths) return std::nullopt;
+  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
+  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
+  return *middle;
+}
+
 BlockId Ekf::append_inverse_depth(const Bearing& bearing) {
-  const Eigen::Vector3d numbers(bearing.point.x(), bearing.point.y(), options_.initial_inverse_depth);
+  double inverse_depth = options_.initial_inverse_depth;
+  double sigma = options_.inverse_depth_sigma;
+  if (typical_inverse_depth_) {
+    inverse_depth = *typical_inverse_depth_;
+    sigma = options_.scene_depth_sigma * inverse_depth;
+  }
+  const Eigen::Vector3d numbers(bearing.point.x(), bearing.point.y(), inverse_depth);
   const Eigen::Matrix3d noise =
-      Eigen::Vector3d(square(bearing.sigma), square(bearing.sigma), square(options_.inverse_depth_sigma)).asDiagonal();
+      Eigen::Vector3d(square(bearing.sigma), square(bearing.sigma), square(sigma)).asDiagonal();
   return state_.append(numbers, BlockKind::kInverseDepth, {}, noise);
 }
 

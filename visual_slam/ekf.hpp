@@ -114,8 +114,9 @@ class Ekf {
   /// points.
   UpdateReport update(const Camera& camera, std::span<const Measurement> measurements);
   /// Enters a landmark seen the first time: by inverse depth, undelayed (seed 002 section 2.3), or, as the options
-  /// say, to wait for a well-conditioned pair. `stamp` is that of the image; landmarks of one stamp share their anchor.
-  /// The camera must outlive the landmark.
+  /// say, to wait for a well-conditioned pair. Its inverse depth starts at the median of the landmarks of known depth
+  /// the last update accepted, which must have been of the same image, or, where they are too few, at a fixed value.
+  /// `stamp` is that of the image; landmarks of one stamp share their anchor. The camera must outlive the landmark.
   void add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& bearing, common::Nanoseconds stamp);
   /// Enters a landmark of a saved map: it helps to find the pose but is not estimated. Its uncertainty enters as noise
   /// of its measurements (Schmidt's consider filter with the correlation between pose and map left out: a saved map has
@@ -188,6 +189,8 @@ class Ekf {
   bool depth_is_known(const FilterLandmark& landmark) const;
   void ignore_parallax(LinearMeasurement& linear) const;
   void learn_depth(const Camera& camera, const Measurement& measurement);
+  std::optional<double> typical_inverse_depth(const Camera& camera, std::span<const Measurement> measurements,
+                                              std::span<const std::size_t> accepted) const;
   BlockId append_inverse_depth(const Bearing& bearing);
   PastPose& past_pose_now(common::Nanoseconds stamp);
   PastPose& past_pose_of(BlockId block);
@@ -199,8 +202,9 @@ class Ekf {
   BlockId robot_;
   BlockId motion_parameters_;
   std::map<LandmarkId, FilterLandmark> landmarks_;
-  std::vector<PastPose> past_poses_;  // by rising stamp
-  bool moved_ = true;                 // since the newest past pose was taken
+  std::vector<PastPose> past_poses_;             // by rising stamp
+  bool moved_ = true;                            // since the newest past pose was taken
+  std::optional<double> typical_inverse_depth_;  // of what the last image saw; empty when too little is known
   SlipWatch wheels_;
   Eigen::VectorXd grip_mean_;        // of the motion model's numbers before the wheels slipped
   Eigen::MatrixXd grip_covariance_;  // the same

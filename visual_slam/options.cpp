@@ -158,10 +158,16 @@ void LoopOptions::describe(OptionVisitor& visit) {
 }
 
 void FilterOptions::describe(OptionVisitor& visit) {
-  visit.real("pixel_sigma", pixel_sigma, {0.05, 20.0}, "px", "Noise of a measured feature position.");
+  visit.real("pixel_sigma", pixel_sigma, {0.05, 20.0}, "px",
+             "Noise of a measured feature position, with room for what the linearisation of the filter leaves out.");
   visit.real("initial_inverse_depth", initial_inverse_depth, {0.001, 10.0}, "1/m",
              "Inverse depth a new landmark starts with (seed 002 section 2.3).");
   visit.real("inverse_depth_sigma", inverse_depth_sigma, {0.001, 10.0}, "1/m", "Its standard deviation.");
+  visit.real(
+      "scene_depth_sigma", scene_depth_sigma, {0.0, 10.0}, "",
+      "With wheel odometry a new landmark starts with the median inverse depth of the landmarks of known depth in "
+      "its image instead, where there are min_known_depths of them, with this relative standard deviation "
+      "(0: never). It must be larger than known_depth.");
   visit.real("known_depth", known_depth, {0.0, 10.0}, "",
              "Relative uncertainty of the inverse depth above which parallax only teaches the landmark its depth.");
   visit.real("linearity_index", linearity_index, {0.0, 1.0}, "",
@@ -184,7 +190,7 @@ void FilterOptions::describe(OptionVisitor& visit) {
       "Jacobians then know the noise of the measurements.");
   visit.integer("min_known_depths", min_known_depths, {1, 1000}, "",
                 "Without wheel odometry, parallax of unknown depths teaches the motion, too, in images with fewer "
-                "landmarks of known depth.");
+                "landmarks of known depth; with it, new landmarks start with initial_inverse_depth there.");
 }
 
 void MapOptions::describe(OptionVisitor& visit) {

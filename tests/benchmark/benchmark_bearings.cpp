@@ -162,8 +162,6 @@ class Run {
     return filter_.has(id) ? filter_.likely_position(id) : std::nullopt;
   }
 
-  std::pair<Eigen::VectorXd, double> calibration() const { return {filter_.motion_parameters(), std::sqrt(filter_.state().covariance(1, 1)(0, 0))}; }
-
   common::Trajectory2 online;
   common::Trajectory2 odometry;
   int used = 0;
@@ -222,8 +220,8 @@ void print_map(const Run& run, const std::vector<Row>& truth) {
   const auto rmse = [&](double s) {
     return std::sqrt((s * s * from_square - 2.0 * s * agreement + to_square) / static_cast<double>(from.size()));
   };
-  std::printf("map       %zu of %zu landmarks, rmse %.3f m; scaled by %.3f %.3f m\n", from.size(), truth.size(), rmse(1.0),
-              scale, rmse(scale));
+  std::printf("map       %zu of %zu landmarks, rmse %.3f m; scaled by %.3f %.3f m\n", from.size(), truth.size(),
+              rmse(1.0), scale, rmse(scale));
 }
 
 }  // namespace
@@ -266,10 +264,8 @@ int main(int argc, char** argv) {
   print_row("odometry", run.odometry, truth);
   print_row("online", run.online, truth);
   print_row("final", run.final_path(), truth);
-  print_row("final*", run.final_path(), truth, common::EvaluationAlignment::kSim2);
+  print_row("scaled", run.final_path(), truth, common::EvaluationAlignment::kSim2);
   print_map(run, read_rows(std::string(argv[1]) + "/Landmark_Groundtruth.dat"));
-  const auto numbers = run.calibration();
-  std::printf("odometry's scale %.3f +- %.3f, turns' %.3f, turn per distance %.2f deg/m\n", 1+numbers.first[0], numbers.second, 1+numbers.first[1], common::to_degrees(numbers.first[2]));
   std::printf("%d bearings used, %d rejected\n", run.used, run.rejected);
   return EXIT_SUCCESS;
 }

@@ -2,10 +2,12 @@
 // Runs the visual SLAM alone on a recording and prints accuracy, coverage and cost of an image. Without ground truth
 // the path is held against a straight line, as for a camera moved along a rail.
 //
-//     benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [mounting=DEG,METRES] [visual.key=value ...]
+//     benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [mounting=DEG,METRES] [at=SECONDS] [visual.key=value ...]
 //
-// CAMERAS is a list such as cam0,cam1. `mounting` falsifies what is told of where the cameras are: each turned to the
-// left by DEG about the vertical through its own centre, and moved forward by METRES.
+// `at`, which may be given again and again, prints how far the estimate of that moment after the start is from the
+// truth with the paths aligned at the first pose, in metres and percent of the way driven; the last moment is always
+// printed. CAMERAS is a list such as cam0,cam1. `mounting` falsifies what is told of where the cameras are: each turned
+// to the left by DEG about the vertical through its own centre, and moved forward by METRES.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,6 +24,7 @@
 #include "common/angle.hpp"
 #include "common/config.hpp"
 #include "common/recording.hpp"
+#include "common/trajectory.hpp"
 #include "common/trajectory_evaluation.hpp"
 #include "common/tum.hpp"
 #include "visual_slam/visual_slam.hpp"
@@ -72,6 +75,29 @@ void print_line_row(const char* name, const common::Trajectory2& path, std::size
               last - first);
 }
 
+/// How far the paths have drifted apart by `stamp`, laid upon each other at the estimate's first pose.
+void print_drift(const char* name, const common::Trajectory2& estimate, const common::Trajectory2& truth,
+                 common::Nanoseconds start, common::Nanoseconds stamp) {
+  if (estimate.empty()) return;
+  const auto true_first = common::pose_at(truth, estimate.front().stamp, common::kNanosecondsPerSecond);
+  const auto true_here = common::pose_at(truth, stamp, common::kNanosecondsPerSecond);
+  const auto here = common::pose_at(estimate, stamp, common::kNanosecondsPerSecond);
+  if (!true_first || !true_here || !here) {
+    std::printf("%-10s at %.1f s: no pose\n", name, common::to_seconds(stamp - start));
+    return;
+  }
+  common::Trajectory2 driven;
+  for (const common::StampedPose2& pose : truth) {
+    if (pose.stamp >= estimate.front().stamp && pose.stamp <= stamp) driven.push_back(pose);
+  }
+  const double way = common::path_length(driven);
+  const common::Pose2 moved = estimate.front().pose.inverse() * *here;
+  const common::Pose2 true_move = true_first->inverse() * *true_here;
+  const double error = (moved.translation() - true_move.translation()).norm();
+  std::printf("%-10s at %.1f s: off by %.3f m, %.2f %% of %.1f m\n", name, common::to_seconds(stamp - start), error,
+              100.0 * error / way, way);
+}
+
 /// A calibration that says the camera looks `degrees` farther to the left and stands `metres` farther ahead.
 void falsify(common::CameraCalibration& camera, double degrees, double metres) {
   common::Pose3& mounting = camera.T_base_camera;
@@ -90,13 +116,19 @@ int fail(const std::string& message) {
 int main(int argc, char** argv) {
   if (argc < 3)
     return fail(
-        "usage: benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [mounting=DEG,METRES] [visual.key=value ...]");
+        "usage: benchmark_visual_accuracy RECORDING CAMERAS [THREADS] [mounting=DEG,METRES] [at=SECONDS] "
+        "[visual.key=value ...]");
   visual_slam::VisualSlamOptions options;
   int threads = 1;
   double wrong_degrees = 0.0, wrong_metres = 0.0;
+  std::vector<double> moments;
   for (int i = 3; i < argc; ++i) {
     const std::string argument = argv[i];
     if (std::sscanf(argument.c_str(), "mounting=%lf,%lf", &wrong_degrees, &wrong_metres) == 2) continue;
+    if (double seconds = 0.0; std::sscanf(argument.c_str(), "at=%lf", &seconds) == 1) {
+      moments.push_back(seconds);
+      continue;
+    }
     if (argument.find('=') == std::string::npos) {
       threads = std::atoi(argv[i]);
       continue;
@@ -150,6 +182,13 @@ int main(int argc, char** argv) {
   if (!truth->empty()) {
     print_row("online", run.online, *truth, align);
     print_row("final", (*slam)->final_trajectory(), *truth, align);
+    const common::Nanoseconds start = (*recording)->info().first_stamp;
+    if (!run.online.empty()) moments.push_back(common::to_seconds(run.online.back().stamp - start));
+    for (const double moment : moments) {
+      const common::Nanoseconds stamp = start + common::from_seconds(moment);
+      print_drift("odometry", run.odometry, *truth, start, stamp);
+      print_drift("online", run.online, *truth, start, stamp);
+    }
   } else {
     print_line_row("online", run.online, run.milliseconds.size());
     print_line_row("final", (*slam)->final_trajectory(), run.milliseconds.size());
