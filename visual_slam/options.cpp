@@ -158,8 +158,7 @@ void LoopOptions::describe(OptionVisitor& visit) {
 }
 
 void FilterOptions::describe(OptionVisitor& visit) {
-  visit.real("pixel_sigma", pixel_sigma, {0.05, 20.0}, "px",
-             "Noise of a measured feature position, with room for what the linearisation of the filter leaves out.");
+  visit.real("pixel_sigma", pixel_sigma, {0.05, 20.0}, "px", "Noise of a measured feature position.");
   visit.real("initial_inverse_depth", initial_inverse_depth, {0.001, 10.0}, "1/m",
              "Inverse depth a new landmark starts with (seed 002 section 2.3).");
   visit.real("inverse_depth_sigma", inverse_depth_sigma, {0.001, 10.0}, "1/m", "Its standard deviation.");

@@ -165,10 +165,10 @@ enum class InitialisationKind { kInverseDepth, kWellConditionedPair };
 
 /// The extended Kalman filter.
 struct FilterOptions {
-  double pixel_sigma = 1.4;            ///< [px]
+  double pixel_sigma = 1.0;            ///< [px]
   double initial_inverse_depth = 0.4;  ///< [1/m]
   double inverse_depth_sigma = 0.4;    ///< [1/m]
-  double scene_depth_sigma = 0.8;
+  double scene_depth_sigma = 0.0;
   double known_depth = 0.2;
   double linearity_index = 0.10;
   InitialisationKind initialisation = InitialisationKind::kInverseDepth;
