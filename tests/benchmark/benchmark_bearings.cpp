@@ -154,7 +154,7 @@ class Run {
     keep_pose();
     online.push_back({*now_, filter_.pose()});
     odometry.push_back({*now_, odometry_});
-    path_.add(*now_, common::to_pose3(odometry_), filter_.spatial_pose());
+    path_.add(*now_, common::to_pose3(odometry_), filter_.spatial_pose(), false);
   }
 
   common::Trajectory2 final_path() const { return common::to_planar(path_.path(filter_)); }
