@@ -90,8 +90,11 @@ struct Fusion::State {
   std::optional<double> all_lost_for() const;
   /// One half has stopped tracking: until the other one, tracking, confirms the fused pose, nobody vouches for it.
   void take_doubt(const PoseEstimate& estimate);
-  /// Every half says it is lost, as after a carry: what was known of the pose is void, until one says where it is.
-  void give_up_if_all_are_lost();
+  /// A pose in the map frame was measured and used or not: that settles the doubt, deepens it, or leaves it.
+  void weigh_doubt(const PoseEstimate& estimate, const common::Pose2& measured, bool used);
+  /// Every half says it is lost, or has found itself elsewhere, as after a carry: what was known of the pose is void,
+  /// until one says where it is.
+  void give_up_if_carried();
   StatusEntry fused_status() const;
   void command_lost_halves(FusionOutput& output);
   void write_status(FusionOutput& output);
@@ -115,8 +118,15 @@ struct Fusion::State {
   Nanoseconds now = 0;        ///< where the filter stands
   Nanoseconds last_used = 0;  ///< stamp of the last measurement that was used
   bool was_lost = true;
-  std::optional<PoseSource> doubted_by;  ///< the half that stopped tracking, until the other one confirms the pose
-  bool gave_up = false;                  ///< the pose is void because every half said it is lost
+  /// Of the fused pose, since a half stopped tracking.
+  struct Doubt {
+    Nanoseconds since;
+    bool lost = false;       ///< it has called itself lost
+    bool elsewhere = false;  ///< and then found itself somewhere else
+  };
+  std::map<PoseSource, Doubt> doubts;  ///< by the half they come from
+  Nanoseconds silent_until = 0;        ///< when the last silence of both halves ended
+  bool gave_up = false;                ///< the pose is void because of a carry
   std::vector<PublishedPose> published;
   std::vector<ReceivedEstimate> received;
 };
@@ -222,6 +232,7 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
     filter.move_to(then->T_odom_base, then->seconds_without);
     now = estimate.stamp;
   }
+  if (filter.started() && common::to_seconds(now - last_used) >= options.monitor.silent_after) silent_until = now;
   const MeasurementReport report =
       filter.measure(estimate.source, estimate.stamp, *measured, then->T_odom_base, late ? then->seconds_without : 0.0);
   monitors.at(estimate.source).measured(report);
@@ -231,12 +242,12 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
          fmt::format("the {} half told another place long enough: the corrected pose moves {:.2f} m",
                      common::to_string(estimate.source), report.jump));
   }
-  if (report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled) {
-    // A late pose does not undo a newer one; where the clock itself steps back (CARMEN) nothing is late.
-    last_used = late ? std::max(last_used, estimate.stamp) : estimate.stamp;
-    if (doubted_by != estimate.source && estimate.state == TrackingState::kTracking) doubted_by.reset();
-    if (estimate.source == PoseSource::kLaser) bridge.laser_told(estimate.stamp, *measured, then->T_odom_base);
-  }
+  const bool used = report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled;
+  weigh_doubt(estimate, measured->pose, used);
+  if (!used) return;
+  // A late pose does not undo a newer one; where the clock itself steps back (CARMEN) nothing is late.
+  last_used = late ? std::max(last_used, estimate.stamp) : estimate.stamp;
+  if (estimate.source == PoseSource::kLaser) bridge.laser_told(estimate.stamp, *measured, then->T_odom_base);
 }
 
 void Fusion::State::align_if_due(FusionOutput& output) {
@@ -282,16 +293,42 @@ std::optional<double> Fusion::State::all_lost_for() const {
 void Fusion::State::take_doubt(const PoseEstimate& estimate) {
   const SourceMonitor& monitor = monitors.at(estimate.source);
   const bool tracked = monitor.heard() && monitor.own_state() == TrackingState::kTracking;
-  if (tracked && estimate.state != TrackingState::kTracking) doubted_by = estimate.source;
-  if (doubted_by == estimate.source && estimate.state == TrackingState::kTracking) doubted_by.reset();
+  if (tracked && estimate.state != TrackingState::kTracking) doubts[estimate.source] = {estimate.stamp};
+  const auto doubt = doubts.find(estimate.source);
+  if (doubt == doubts.end()) return;
+  if (estimate.state == TrackingState::kLost) doubt->second.lost = true;
+  if (estimate.state == TrackingState::kTracking && !doubt->second.lost) doubts.erase(doubt);
 }
 
-void Fusion::State::give_up_if_all_are_lost() {
+void Fusion::State::weigh_doubt(const PoseEstimate& estimate, const common::Pose2& measured, bool used) {
+  if (estimate.state != TrackingState::kTracking) return;
+  if (const auto own = doubts.find(estimate.source); own != doubts.end()) {
+    const common::Pose2 off = filter.state().pose.inverse() * measured;
+    own->second.elsewhere = !used && (off.translation().norm() > options.supervision.lost_position_sigma ||
+                                      std::abs(off.theta) > options.supervision.lost_heading_sigma);
+    if (used) doubts.erase(own);
+  }
+  const auto other = doubts.find(other_half(estimate.source));
+  if (other == doubts.end() || !used) return;
+  // After a carry the other half may take a moment longer to notice, and vouches for nothing until then.
+  const double patience = other->second.elsewhere ? options.supervision.contradiction_time
+                          : other->second.lost    ? options.supervision.help_after
+                                                  : 0.0;
+  if (common::to_seconds(estimate.stamp - other->second.since) >= patience) doubts.erase(other);
+}
+
+void Fusion::State::give_up_if_carried() {
+  if (!filter.started()) return;
   const auto lost = all_lost_for();
-  if (!filter.started() || !lost || *lost < options.supervision.both_lost_after) return;
+  const bool all_lost = lost && *lost >= options.supervision.both_lost_after;
+  const bool elsewhere = std::any_of(doubts.begin(), doubts.end(), [this](const auto& doubt) {
+    return doubt.second.elsewhere && !monitors.at(other_half(doubt.first)).healthy(now);
+  });
+  if (!all_lost && !elsewhere) return;
   filter.restart();
   limiter.restart();
   bridge.forget_place();
+  doubts.clear();
   gave_up = true;
 }
 
@@ -302,7 +339,8 @@ StatusEntry Fusion::State::fused_status() const {
   if (!filter.started()) {
     entry.state = Verdict::kLost;
     entry.score = 0.0;
-    entry.reasons.emplace_back(gave_up ? "every half that speaks says it is lost" : "no usable pose has come yet");
+    entry.reasons.emplace_back(gave_up ? "the halves say they are lost or somewhere else"
+                                       : "no usable pose has come yet");
     return entry;
   }
   entry.score = 0.0;
@@ -312,16 +350,28 @@ StatusEntry Fusion::State::fused_status() const {
   if (all_lost_for()) {
     entry.state = Verdict::kSuspect;
     entry.reasons.emplace_back("every half that speaks says it is lost");
-  } else if (doubted_by && monitors.at(*doubted_by).speaks(now)) {
+  } else if (silent_until > 0 && common::to_seconds(now - silent_until) < options.supervision.help_after) {
     entry.state = Verdict::kSuspect;
-    entry.reasons.push_back(
-        fmt::format("the {} half does not track any more, and the other has not confirmed the pose since",
-                    common::to_string(*doubted_by)));
+    entry.reasons.emplace_back("both halves were silent until a moment ago: the robot may have been carried");
+  }
+  for (const auto& [source, doubt] : doubts) {
+    if (!monitors.at(source).speaks(now)) continue;
+    if (doubt.elsewhere) {
+      entry.state = Verdict::kLost;
+      entry.score = 0.0;
+      entry.reasons.push_back(
+          fmt::format("the {} half was lost and has found itself somewhere else", common::to_string(source)));
+    } else if (entry.state == Verdict::kTracking) {
+      entry.state = Verdict::kSuspect;
+      entry.reasons.push_back(
+          fmt::format("the {} half does not track any more, and the other has not confirmed the pose since",
+                      common::to_string(source)));
+    }
   }
   const double silence = common::to_seconds(now - last_used);
   const bool confirmed = silence < options.monitor.silent_after;
   if (!confirmed) {
-    entry.state = Verdict::kSuspect;
+    if (entry.state == Verdict::kTracking) entry.state = Verdict::kSuspect;
     entry.score *= 0.5;
     entry.reasons.push_back(fmt::format("neither half confirms it for {:.1f} s, odometry alone", silence));
     const Eigen::Matrix3d& covariance = filter.state().covariance;
@@ -419,7 +469,7 @@ FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
   s.filter.move_to(odometry.pose, 0.0);
   s.now = odometry.stamp;
   s.use_waiting(output);
-  s.give_up_if_all_are_lost();
+  s.give_up_if_carried();
   s.command_lost_halves(output);
   s.write_status(output);
   s.publish(output);
@@ -448,7 +498,7 @@ FusionOutput Fusion::process(const PoseEstimate& estimate) {
                         late ? static_cast<std::size_t>(s.published.rend() - place) : s.published.size()});
   const bool usable = estimate.state != TrackingState::kLost;
   if (usable) s.take(estimate, output);
-  s.give_up_if_all_are_lost();
+  s.give_up_if_carried();
   s.command_lost_halves(output);
   s.write_status(output);
   if (usable && s.now == estimate.stamp && !late) s.publish(output);
