@@ -292,8 +292,10 @@ std::optional<double> Fusion::State::all_lost_for() const {
 
 void Fusion::State::take_doubt(const PoseEstimate& estimate) {
   const SourceMonitor& monitor = monitors.at(estimate.source);
-  const bool tracked = monitor.heard() && monitor.own_state() == TrackingState::kTracking;
-  if (tracked && estimate.state != TrackingState::kTracking) doubts[estimate.source] = {estimate.stamp};
+  const auto before = monitor.heard() ? monitor.own_state() : TrackingState::kLost;
+  const bool stops = before == TrackingState::kTracking && estimate.state != TrackingState::kTracking;
+  const bool is_lost_now = before != TrackingState::kLost && estimate.state == TrackingState::kLost;
+  if (stops || is_lost_now) doubts.try_emplace(estimate.source, Doubt{estimate.stamp});
   const auto doubt = doubts.find(estimate.source);
   if (doubt == doubts.end()) return;
   if (estimate.state == TrackingState::kLost) doubt->second.lost = true;
@@ -311,9 +313,8 @@ void Fusion::State::weigh_doubt(const PoseEstimate& estimate, const common::Pose
   const auto other = doubts.find(other_half(estimate.source));
   if (other == doubts.end() || !used) return;
   // After a carry the other half may take a moment longer to notice, and vouches for nothing until then.
-  const double patience = other->second.elsewhere ? options.supervision.contradiction_time
-                          : other->second.lost    ? options.supervision.help_after
-                                                  : 0.0;
+  const double patience =
+      other->second.elsewhere ? options.supervision.contradiction_time : options.supervision.help_after;
   if (common::to_seconds(estimate.stamp - other->second.since) >= patience) doubts.erase(other);
 }
 

@@ -289,6 +289,38 @@ TEST(Fusion, TheVisualHalfCarriesOnWhereTheLaserIsLostAndTellsItThePose) {
   EXPECT_LT((command.pose.translation() - simulation.truth(kHelped).translation()).norm(), 0.3);
 }
 
+// A carry, after which the camera knows the new place at once while the laser takes a moment to notice anything.
+TEST(Fusion, AHalfThatWasLostAndFindsItselfElsewhereMakesThePoseLostAndThenGivesIt) {
+  constexpr int kCarried = 800, kFound = 804, kNoticed = 812;
+  const common::Pose2 there{6.0, 2.0, 0.0};
+  const auto fusion = make_fusion();
+  const auto visual = [&there](int step, common::PoseEstimate& estimate) {
+    if (step >= kCarried && step < kFound) estimate.state = common::TrackingState::kLost;
+    if (step >= kFound) {
+      estimate.pose.x += there.x;
+      estimate.pose.y += there.y;
+    }
+    return true;
+  };
+  const auto laser = [](int step, common::PoseEstimate& estimate) {
+    if (step >= kNoticed) estimate.state = common::TrackingState::kLost;
+    return true;
+  };
+
+  const DriveLog run = drive(*fusion, 900, {.laser = laser, .visual = visual});
+
+  const bool lost = std::any_of(run.status.begin(), run.status.end(), [](const StatusEntry& entry) {
+    return entry.source == PoseSource::kFused && entry.state == Verdict::kLost;
+  });
+  EXPECT_TRUE(lost);
+  for (std::size_t i = 0; i < run.poses.size(); ++i) {
+    if (run.steps[i] < kCarried + 2 || run.steps[i] > kNoticed) continue;
+    EXPECT_NE(run.poses[i].estimate.state, common::TrackingState::kTracking) << run.steps[i];
+  }
+  EXPECT_EQ(run.poses.back().estimate.state, common::TrackingState::kTracking);
+  EXPECT_GT(run.worst(860, 900), 4.0);  // at the place the visual half tells
+}
+
 TEST(Fusion, ALostVisualHalfIsToldItsPoseInItsOwnFrame) {
   const auto fusion = make_fusion();
   const auto lost = [](int step, common::PoseEstimate& visual) {
@@ -493,10 +525,10 @@ TEST(Fusion, OneHalfsDoubtMakesThePoseSuspectUntilTheOtherConfirmsIt) {
       drive(*fusion, 1000, {.laser = [](int step, auto&) { return step < 804 || step >= 812; }, .visual = doubts});
 
   for (std::size_t i = 0; i < run.steps.size(); ++i) {
-    // The visual pose of step 805 doubts, the laser's of step 812 confirms.
-    if (run.steps[i] < 600 || run.steps[i] == 805 || run.steps[i] == 812) continue;
+    // The visual pose of step 805 doubts, the laser confirms, but counts only a second later.
+    if (run.steps[i] < 600 || run.steps[i] == 805 || (run.steps[i] >= 824 && run.steps[i] <= 830)) continue;
     const bool suspect = run.poses[i].estimate.state == common::TrackingState::kUncertain;
-    EXPECT_EQ(suspect, run.steps[i] > 805 && run.steps[i] < 812) << run.steps[i];
+    EXPECT_EQ(suspect, run.steps[i] > 805 && run.steps[i] < 824) << run.steps[i];
   }
 }
 
