@@ -9,6 +9,7 @@ namespace slamfuse::fusion {
 namespace {
 
 constexpr double kUncertainScore = 0.6;
+constexpr double kLongUncertainScore = 0.3;
 constexpr double kSuspectBelow = 0.4;
 
 }  // namespace
@@ -34,6 +35,11 @@ void SourceMonitor::estimated(const common::PoseEstimate& estimate) {
   heard_ = true;
   stamp_ = estimate.stamp;
   own_state_ = estimate.state;
+  if (own_state_ != common::TrackingState::kUncertain) {
+    uncertain_since_.reset();
+  } else if (!uncertain_since_) {
+    uncertain_since_ = stamp_;
+  }
   if (own_state_ != common::TrackingState::kLost) {
     lost_since_.reset();
   } else if (!lost_since_) {
@@ -58,7 +64,8 @@ StatusEntry SourceMonitor::status(common::Nanoseconds now) const {
     entry.score = 0.0;
     entry.reasons.emplace_back("it says it is lost");
   } else if (own_state_ == common::TrackingState::kUncertain) {
-    entry.score *= kUncertainScore;
+    const bool long_since = common::to_seconds(stamp_ - *uncertain_since_) >= options_.uncertain_after;
+    entry.score *= long_since ? kLongUncertainScore : kUncertainScore;
     entry.reasons.emplace_back("it says it is uncertain");
   }
   if (gated_in_a_row_ > 0) {

@@ -15,10 +15,13 @@ namespace slamfuse::fusion {
 struct SourceMonitorOptions {
   double silent_after = 1.0;
   double lost_after = 2.0;
+  double uncertain_after = 1.0;
 
   void describe(common::OptionVisitor& visit) {
     visit.real("silent_after", silent_after, {0.05, 60.0}, "s", "A half that has been silent this long is suspect.");
     visit.real("lost_after", lost_after, {0.1, 600.0}, "s", "A half that has been silent this long is lost.");
+    visit.real("uncertain_after", uncertain_after, {0.0, 600.0}, "s",
+               "A half that has called itself uncertain this long is suspect.");
   }
 };
 
@@ -46,8 +49,9 @@ class SourceMonitor {
   void estimated(const common::PoseEstimate& estimate);
   void measured(const MeasurementReport& report);
 
-  /// The verdict at `now`. Score: 1, times 0.6 if it calls itself uncertain, times 1 / (1 + poses gated in a row),
-  /// times a factor that falls to 0 as it stays silent; 0 if it calls itself lost. SUSPECT below 0.4, LOST at 0.
+  /// The verdict at `now`. Score: 1, times 0.6 if it calls itself uncertain, 0.3 if it has for long, times 1 / (1 +
+  /// poses gated in a row), times a factor that falls to 0 as it stays silent; 0 if it calls itself lost. SUSPECT below
+  /// 0.4, LOST at 0.
   StatusEntry status(common::Nanoseconds now) const;
 
  private:
@@ -59,6 +63,7 @@ class SourceMonitor {
   int gated_in_a_row_ = 0;
   std::optional<common::Nanoseconds> overruled_since_;
   std::optional<common::Nanoseconds> lost_since_;
+  std::optional<common::Nanoseconds> uncertain_since_;
   double squared_distance_ = 0.0;
 };
 
