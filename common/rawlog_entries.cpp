@@ -119,7 +119,7 @@ std::string told_by(const std::exception& error) {
 
 /// A frame holds the observations of one moment. MRPT makes room for as many as the file says before it reads one.
 constexpr std::uint32_t kMostInFrame = 10'000;
-constexpr std::string_view kFrameClass = "mrpt::obs::CSensoryFrame";
+constexpr std::string_view kFrameClass = "CSensoryFrame";  // in whatever namespace: MRPT takes old names without, too
 
 }  // namespace
 
@@ -205,7 +205,7 @@ void RawlogEntries::Archive::fill() {
 /// Behind a frame's name come its version, in old ones a stamp of 8 bytes, and the number of its observations.
 void RawlogEntries::Archive::check_frame(std::string_view just_read) {
   std::uint32_t count = 0;
-  if (just_read == kFrameClass) {
+  if (just_read.substr(just_read.rfind(':') + 1) == kFrameClass) {
     frame_begun_ = true;
   } else if (frame_begun_ && just_read.size() == sizeof(count)) {
     frame_begun_ = false;

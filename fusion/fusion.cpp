@@ -88,6 +88,8 @@ struct Fusion::State {
   void warn_of_offsets(const Alignment& attempt, FusionOutput& output);
   /// For how long [s] every half that speaks has called itself lost; nothing while one does not, or none speaks.
   std::optional<double> all_lost_for() const;
+  /// A half speaks; notes the end of a silence of both.
+  void hear(Nanoseconds stamp);
   /// One half has stopped tracking: until the other one, tracking, confirms the fused pose, nobody vouches for it.
   void take_doubt(const PoseEstimate& estimate);
   /// A pose in the map frame was measured and used or not: that settles the doubt, deepens it, or leaves it.
@@ -120,13 +122,15 @@ struct Fusion::State {
   bool was_lost = true;
   /// Of the fused pose, since a half stopped tracking.
   struct Doubt {
-    Nanoseconds since;
-    bool lost = false;       ///< it has called itself lost
-    bool elsewhere = false;  ///< and then found itself somewhere else
+    Nanoseconds since = 0;
+    bool lost = false;                           ///< it has called itself lost
+    std::optional<Nanoseconds> elsewhere_since;  ///< and then found itself somewhere else
   };
-  std::map<PoseSource, Doubt> doubts;  ///< by the half they come from
-  Nanoseconds silent_until = 0;        ///< when the last silence of both halves ended
-  bool gave_up = false;                ///< the pose is void because of a carry
+  std::map<PoseSource, Doubt> doubts;       ///< by the half they come from
+  std::optional<Nanoseconds> heard_at;      ///< stamp of the newest estimate of either half
+  std::optional<Nanoseconds> silent_until;  ///< when the last silence of both halves ended
+  bool gave_up = false;                     ///< the pose is void because of a carry
+  std::optional<PoseSource> found_by;       ///< the half whose word counts then, having noticed it
   std::vector<PublishedPose> published;
   std::vector<ReceivedEstimate> received;
 };
@@ -155,9 +159,14 @@ bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& out
   keeper.forget(estimate.source);
   bridge.use(std::nullopt);
   waiting.clear();
+  doubts.erase(estimate.source);
+  found_by.reset();
   if (map_frame == estimate.source) {
     filter.restart();
     limiter.restart();
+    doubts.clear();
+    gave_up = false;
+    silent_until.reset();
   }
   tell(output, "map_reset",
        fmt::format("the {} map started epoch {}: its pairs and the alignment are void",
@@ -222,8 +231,10 @@ void Fusion::State::take(const PoseEstimate& estimate, FusionOutput& output) {
 void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
   const auto then = odometry_at(estimate.stamp);
   if (!then) return;
-  // After a carry a half that only guesses where it might be must not be the one to say so.
+  // After a carry a half that only guesses where it might be must not be the one to say so, nor one that has not
+  // noticed.
   if (gave_up && estimate.state != TrackingState::kTracking) return;
+  if (gave_up && found_by && estimate.source != *found_by && monitors.at(*found_by).speaks(now)) return;
   const auto measured = in_map_frame(estimate, then->T_odom_base);
   if (!measured) return;
 
@@ -232,7 +243,6 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
     filter.move_to(then->T_odom_base, then->seconds_without);
     now = estimate.stamp;
   }
-  if (filter.started() && common::to_seconds(now - last_used) >= options.monitor.silent_after) silent_until = now;
   const MeasurementReport report =
       filter.measure(estimate.source, estimate.stamp, *measured, then->T_odom_base, late ? then->seconds_without : 0.0);
   monitors.at(estimate.source).measured(report);
@@ -243,7 +253,7 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
                      common::to_string(estimate.source), report.jump));
   }
   const bool used = report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled;
-  weigh_doubt(estimate, measured->pose, used);
+  weigh_doubt(estimate, measured->pose * (then->T_odom_base.inverse() * filter.T_odom_base()), used);
   if (!used) return;
   // A late pose does not undo a newer one; where the clock itself steps back (CARMEN) nothing is late.
   last_used = late ? std::max(last_used, estimate.stamp) : estimate.stamp;
@@ -290,42 +300,58 @@ std::optional<double> Fusion::State::all_lost_for() const {
   return shortest;
 }
 
+void Fusion::State::hear(Nanoseconds stamp) {
+  const bool silent = heard_at && common::to_seconds(stamp - *heard_at) >= options.monitor.silent_after;
+  if (silent && filter.started()) silent_until = stamp;
+  heard_at = std::max(heard_at.value_or(stamp), stamp);  // poses come late, too
+}
+
 void Fusion::State::take_doubt(const PoseEstimate& estimate) {
   const SourceMonitor& monitor = monitors.at(estimate.source);
   const auto before = monitor.heard() ? monitor.own_state() : TrackingState::kLost;
   const bool stops = before == TrackingState::kTracking && estimate.state != TrackingState::kTracking;
   const bool is_lost_now = before != TrackingState::kLost && estimate.state == TrackingState::kLost;
-  if (stops || is_lost_now) doubts.try_emplace(estimate.source, Doubt{estimate.stamp});
+  if (stops || is_lost_now)
+    doubts.try_emplace(estimate.source, Doubt{by_laser_clock(estimate).stamp, false, std::nullopt});
+  if (estimate.state != TrackingState::kTracking) found_by.reset();
   const auto doubt = doubts.find(estimate.source);
   if (doubt == doubts.end()) return;
-  if (estimate.state == TrackingState::kLost) doubt->second.lost = true;
+  if (estimate.state == TrackingState::kLost) {
+    doubt->second.lost = true;
+    doubt->second.elsewhere_since.reset();
+  }
   if (estimate.state == TrackingState::kTracking && !doubt->second.lost) doubts.erase(doubt);
 }
 
 void Fusion::State::weigh_doubt(const PoseEstimate& estimate, const common::Pose2& measured, bool used) {
   if (estimate.state != TrackingState::kTracking) return;
   if (const auto own = doubts.find(estimate.source); own != doubts.end()) {
+    const bool bent = estimate.source == PoseSource::kVisual && options.supervision.visual_scale_drifts;
     const common::Pose2 off = filter.state().pose.inverse() * measured;
-    own->second.elsewhere = !used && (off.translation().norm() > options.supervision.lost_position_sigma ||
-                                      std::abs(off.theta) > options.supervision.lost_heading_sigma);
+    const bool far = off.translation().norm() > options.supervision.lost_position_sigma ||
+                     std::abs(off.theta) > options.supervision.lost_heading_sigma;
+    if (used || bent || !far) own->second.elsewhere_since.reset();
+    if (!used && far && !bent && !own->second.elsewhere_since) own->second.elsewhere_since = estimate.stamp;
     if (used) doubts.erase(own);
   }
   const auto other = doubts.find(other_half(estimate.source));
   if (other == doubts.end() || !used) return;
-  // After a carry the other half may take a moment longer to notice, and vouches for nothing until then.
-  const double patience =
-      other->second.elsewhere ? options.supervision.contradiction_time : options.supervision.help_after;
-  if (common::to_seconds(estimate.stamp - other->second.since) >= patience) doubts.erase(other);
+  // After a carry the other half may take a moment longer to notice, and vouches for nothing until then. (Clocks that
+  // step back do not keep it waiting.)
+  const auto& [since, lost, elsewhere_since] = other->second;
+  const double patience = elsewhere_since ? options.supervision.contradiction_time : options.supervision.help_after;
+  if (std::abs(common::to_seconds(estimate.stamp - elsewhere_since.value_or(since))) >= patience) doubts.erase(other);
 }
 
 void Fusion::State::give_up_if_carried() {
   if (!filter.started()) return;
   const auto lost = all_lost_for();
   const bool all_lost = lost && *lost >= options.supervision.both_lost_after;
-  const bool elsewhere = std::any_of(doubts.begin(), doubts.end(), [this](const auto& doubt) {
-    return doubt.second.elsewhere && !monitors.at(other_half(doubt.first)).healthy(now);
+  const auto elsewhere = std::find_if(doubts.begin(), doubts.end(), [this](const auto& doubt) {
+    return doubt.second.elsewhere_since && !monitors.at(other_half(doubt.first)).healthy(now);
   });
-  if (!all_lost && !elsewhere) return;
+  if (!all_lost && elsewhere == doubts.end()) return;
+  found_by = elsewhere == doubts.end() ? std::nullopt : std::optional(elsewhere->first);
   filter.restart();
   limiter.restart();
   bridge.forget_place();
@@ -351,13 +377,14 @@ StatusEntry Fusion::State::fused_status() const {
   if (all_lost_for()) {
     entry.state = Verdict::kSuspect;
     entry.reasons.emplace_back("every half that speaks says it is lost");
-  } else if (silent_until > 0 && common::to_seconds(now - silent_until) < options.supervision.help_after) {
+  } else if (silent_until && now >= *silent_until &&
+             common::to_seconds(now - *silent_until) < options.supervision.help_after) {
     entry.state = Verdict::kSuspect;
     entry.reasons.emplace_back("both halves were silent until a moment ago: the robot may have been carried");
   }
   for (const auto& [source, doubt] : doubts) {
     if (!monitors.at(source).speaks(now)) continue;
-    if (doubt.elsewhere) {
+    if (doubt.elsewhere_since) {
       entry.state = Verdict::kLost;
       entry.score = 0.0;
       entry.reasons.push_back(
@@ -490,6 +517,7 @@ FusionOutput Fusion::process(const PoseEstimate& estimate) {
   s.use_waiting(output);
   const bool late = estimate.stamp < s.now;
   s.take_doubt(estimate);
+  s.hear(estimate.stamp);
   s.monitors.at(estimate.source).estimated(estimate);
   const auto place = std::find_if(s.published.rbegin(), s.published.rend(),
                                   [&](const PublishedPose& pose) { return pose.stamp < estimate.stamp; });

@@ -33,6 +33,10 @@ double SourceMonitor::overruled_for(common::Nanoseconds now) const {
 
 void SourceMonitor::estimated(const common::PoseEstimate& estimate) {
   heard_ = true;
+  if (estimate.stamp < stamp_) {  // the clock steps back
+    lost_since_.reset();
+    uncertain_since_.reset();
+  }
   stamp_ = estimate.stamp;
   own_state_ = estimate.state;
   if (own_state_ != common::TrackingState::kUncertain) {

@@ -122,6 +122,7 @@ class LaserSlam::Impl {
   common::OccupancyGrid grid() const { return started_ ? to_occupancy_grid(map()) : common::OccupancyGrid{}; }
 
   common::Result<std::string> serialize() const {
+    if (!started_ && restored_) return serialize_state(*restored_);  // as it was loaded
     if (!started_) return common::failed("laser_slam: nothing mapped yet, there is no state to save");
     const common::Pose2 pose = refined_ ? refined_->path.back() * motion_.matched() : pose_;
     return serialize_state({pose, path_length_, map()});

@@ -151,6 +151,7 @@ class ClosedAtEnd {
 Result<std::string> run_sessions(const idl::Participant& participant, LiveSource& source, ServeControl& control,
                                  RunRequest run, const Tell& tell, const std::atomic<bool>& stop) {
   SessionSetup before{run.mode, run.map};
+  bool has_pose = false;  // of any session
   while (true) {
     Session session(participant, control, run, tell, stop);
     auto outcome = session.run(source);
@@ -162,8 +163,9 @@ Result<std::string> run_sessions(const idl::Participant& participant, LiveSource
     }
     const auto restart = source.restart_wanted();
     if (!outcome) return outcome;
+    has_pose |= session.has_pose();
     if (!restart || stop) {
-      if (!session.has_pose()) return common::failed("no module could make a pose of what was heard");
+      if (!has_pose) return common::failed("no module could make a pose of what was heard");
       return outcome;
     }
     if (session.can_continue() && run.mode == RunMode::kSlam) run.map = run.out / "map";

@@ -628,6 +628,13 @@ common::Result<std::unique_ptr<VisualSlam>> VisualSlam::create(
                       name, calibration.width, calibration.height, calibration.fx, calibration.fy));
     }
   }
+  const FilterOptions& filter = options.filter;
+  if (filter.scene_depth_sigma > 0.0 && filter.scene_depth_sigma <= filter.known_depth) {
+    return common::invalid_input(fmt::format(
+        "visual.filter.scene_depth_sigma: {} must be 0 or above visual.filter.known_depth, {}: else a guessed depth "
+        "counts as known",
+        filter.scene_depth_sigma, filter.known_depth));
+  }
   cv::setNumThreads(std::max(1, threads));
   common::Result<FeatureSelection> selection = FeatureSelection::create(options.selection);
   if (!selection) return tl::unexpected(selection.error());

@@ -362,6 +362,16 @@ TEST(LaserSlam, StartsInASavedMapWhereItIsTold) {
   EXPECT_EQ(last.state, common::TrackingState::kTracking);
 }
 
+// A service that is stopped before the first scan must not write an empty map over the one it was given.
+TEST(LaserSlam, SavesWhatItLoadedUntilTheFirstScan) {
+  const Drive first = drive(circle(50), {.options = few_particles()});
+  const auto bytes = first.slam->serialize();
+  ASSERT_TRUE(bytes);
+  auto second = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 2, 1);
+  ASSERT_TRUE(second->restore(*bytes));
+  EXPECT_EQ(second->serialize().value(), *bytes);
+}
+
 TEST(LaserSlam, ForgetsASavedMapOnResetBeforeTheFirstScan) {
   const Drive first = drive(circle(50), {.options = few_particles()});
   auto second = *LaserSlam::create(few_particles(), "laser0", testing::full_circle_laser(), 2, 1);
