@@ -338,9 +338,11 @@ void Fusion::State::weigh_doubt(const PoseEstimate& estimate, const common::Pose
   if (other == doubts.end() || !used) return;
   // After a carry the other half may take a moment longer to notice, and vouches for nothing until then. (Clocks that
   // step back do not keep it waiting.)
-  const auto& [since, lost, elsewhere_since] = other->second;
-  const double patience = elsewhere_since ? options.supervision.contradiction_time : options.supervision.help_after;
-  if (std::abs(common::to_seconds(estimate.stamp - elsewhere_since.value_or(since))) >= patience) doubts.erase(other);
+  const Doubt& doubt = other->second;
+  const double patience =
+      doubt.elsewhere_since ? options.supervision.contradiction_time : options.supervision.help_after;
+  const Nanoseconds begun = doubt.elsewhere_since.value_or(doubt.since);
+  if (std::abs(common::to_seconds(estimate.stamp - begun)) >= patience) doubts.erase(other);
 }
 
 void Fusion::State::give_up_if_carried() {

@@ -42,8 +42,9 @@ struct SupervisionOptions {
     visit.real("contradiction_time", contradiction_time, {0.1, 600.0}, "s",
                "A half that still claims to track is told its pose after the other half has overruled it this long.");
     visit.flag("visual_scale_drifts", visual_scale_drifts,
-               "The visual poses come without a scale of their own (always so of our visual half without wheel "
-               "odometry). While such a half tracks, what contradicts the laser is a bent map and not a wrong place, "
+               "The visual poses come without a scale of their own (the program knows it of our visual half "
+               "without wheel odometry, and takes it for granted of another system's poses). While such a half tracks, "
+               "what contradicts the laser is a bent map and not a wrong place, "
                "so it is not told its pose: that would tear its map apart.");
     visit.real("command_interval", command_interval, {0.1, 600.0}, "s", "A half is told its pose at most this often.");
     visit.real("status_interval", status_interval, {0.05, 60.0}, "s", "Status rows are written at least this often.");

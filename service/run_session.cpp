@@ -136,9 +136,7 @@ common::Result<void> RunSession::make_parts() {
   if (auto restored = restore_map(); !restored) return restored;
   fusion::FusionOptions options = request_.configuration.fusion;
   if (laser() == nullptr) options.supervision.visual_only_after = 0.0;  // there is no laser to wait for
-  if (visual_ && request_.configuration.visual.motion.model != visual_slam::MotionModelKind::kOdometry) {
-    options.supervision.visual_scale_drifts = true;
-  }
+  if (free_scale().contains("visual")) options.supervision.visual_scale_drifts = true;
   auto fusion = fusion::Fusion::create(options);
   if (!fusion) return tl::unexpected(fusion.error());
   fusion_ = std::move(*fusion);
