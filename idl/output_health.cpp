@@ -81,14 +81,8 @@ Subscription to_subscription(const dds_builtintopic_endpoint_t& reader, dds_inst
   subscription.type = reader.type_name;
   subscription.id = bytes_of(reader.key.v);
   subscription.participant = bytes_of(reader.participant_key.v);
-  dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
-  if (dds_qget_reliability(reader.qos, &reliability, nullptr)) {
-    subscription.reliable = reliability == DDS_RELIABILITY_RELIABLE;
-  }
-  dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
-  if (dds_qget_durability(reader.qos, &durability)) {
-    subscription.transient_local = durability != DDS_DURABILITY_VOLATILE;
-  }
+  subscription.reliable = is_reliable(*reader.qos);
+  subscription.transient_local = is_transient_local(*reader.qos);
   subscription.takes_xcdr1 = takes_xcdr1(*reader.qos);
   return subscription;
 }

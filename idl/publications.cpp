@@ -7,6 +7,7 @@
 #include <dds/dds.h>
 
 #include "idl/message.hpp"
+#include "idl/qos.hpp"
 #include "idl/ros_name.hpp"
 
 namespace slamfuse::idl {
@@ -20,14 +21,8 @@ Publication to_publication(const dds_builtintopic_endpoint_t& writer, const dds_
   publication.type = ros_type_name(writer.type_name);
   publication.gid.assign(reinterpret_cast<const char*>(writer.key.v), sizeof(writer.key.v));
   publication.ours = std::memcmp(writer.participant_key.v, looking.v, sizeof(looking.v)) == 0;
-  dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
-  if (dds_qget_reliability(writer.qos, &reliability, nullptr)) {
-    publication.reliable = reliability == DDS_RELIABILITY_RELIABLE;
-  }
-  dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
-  if (dds_qget_durability(writer.qos, &durability)) {
-    publication.transient_local = durability != DDS_DURABILITY_VOLATILE;
-  }
+  publication.reliable = is_reliable(*writer.qos);
+  publication.transient_local = is_transient_local(*writer.qos);
   return publication;
 }
 

@@ -55,6 +55,16 @@ UniqueQos make_qos(QosProfile profile) {
   return qos;
 }
 
+bool is_reliable(const dds_qos& qos) {
+  dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
+  return dds_qget_reliability(&qos, &reliability, nullptr) && reliability == DDS_RELIABILITY_RELIABLE;
+}
+
+bool is_transient_local(const dds_qos& qos) {
+  dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
+  return dds_qget_durability(&qos, &durability) && durability != DDS_DURABILITY_VOLATILE;
+}
+
 std::string user_data_of(const dds_qos& qos) {
   void* data = nullptr;
   std::size_t size = 0;

@@ -27,6 +27,11 @@ using UniqueQos = std::unique_ptr<dds_qos, DeleteQos>;
 /// nothing), dispose nothing when a writer ends, and request neither deadline nor liveliness, which ROS does not offer.
 UniqueQos make_qos(QosProfile profile);
 
+/// Whether an endpoint's settings are reliable; where they say nothing they are not.
+bool is_reliable(const dds_qos& qos);
+/// Whether an endpoint's settings keep what was sent for those who come late (transient local or more).
+bool is_transient_local(const dds_qos& qos);
+
 /// The USER_DATA of an endpoint's or participant's settings, where ROS 2 keeps what DDS has no place for.
 std::string user_data_of(const dds_qos& qos);
 
