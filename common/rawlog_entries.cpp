@@ -22,10 +22,16 @@
 #include <utility>
 
 #include "common/angle.hpp"
-#include "common/byte_source.hpp"
+#include "common/look_ahead.hpp"
+#include "common/rawlog_guard.hpp"
 
 namespace slamfuse::common {
 namespace {
+
+/// Bytes in a string and things in an array that MRPT is let make room for.
+constexpr std::size_t kMostInObject = std::size_t{1} << 24;
+/// Bytes that MRPT may ask for at once, of pictures above all.
+constexpr std::size_t kMostAtOnce = std::size_t{1} << 28;
 
 /// MRPT counts 100 ns since 1601; 0 stands for no stamp.
 std::optional<Nanoseconds> stamp_from(const mrpt::Clock::time_point& time) {
@@ -44,6 +50,13 @@ Pose3 pose_from(const mrpt::poses::CPose3D& pose) {
   return {{pose.x(), pose.y(), pose.z()}, Eigen::Quaterniond(rotation).normalized()};
 }
 
+/// MRPT copies a truth value from the file as it is, which may be neither 0 nor 1.
+bool is_true(const bool& from_file) {
+  unsigned char byte = 0;
+  std::memcpy(&byte, &from_file, sizeof(byte));
+  return byte != 0;
+}
+
 RawlogScan scan_from(const mrpt::obs::CObservation2DRangeScan& scan) {
   const std::size_t count = scan.getScanSize();
   RawlogScan result;
@@ -55,8 +68,9 @@ RawlogScan scan_from(const mrpt::obs::CObservation2DRangeScan& scan) {
   result.geometry.angle_increment = count > 1 ? double{scan.aperture} / static_cast<double>(count - 1) : 0.0;
   result.geometry.range_max = double{scan.maxRange};
   result.readings.reserve(count);
+  const bool right_to_left = is_true(scan.rightToLeft);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = scan.rightToLeft ? i : count - 1 - i;
+    const std::size_t at = right_to_left ? i : count - 1 - i;
     result.readings.push_back(double{scan.getScanRange(at)});
     result.valid.push_back(scan.getScanRangeValidity(at));
   }
@@ -65,7 +79,7 @@ RawlogScan scan_from(const mrpt::obs::CObservation2DRangeScan& scan) {
 
 RawlogOdometry odometry_from(const mrpt::obs::CObservationOdometry& odometry) {
   RawlogOdometry result{stamp_from(odometry.timestamp), pose_from(odometry.odometry)};
-  if (odometry.hasVelocities) {
+  if (is_true(odometry.hasVelocities)) {
     result.forward_speed = odometry.velocityLocal.vx;
     result.turn_rate = odometry.velocityLocal.omega;
   }
@@ -85,7 +99,7 @@ std::optional<RawlogAction> action_from(mrpt::obs::CActionCollection& actions) {
   const auto movement = actions.getMovementEstimationByType(mrpt::obs::CActionRobotMovement2D::emOdometry);
   if (!movement) return std::nullopt;
   RawlogAction action{pose_from(movement->rawOdometryIncrementReading)};
-  if (movement->hasVelocities) {
+  if (is_true(movement->hasVelocities)) {
     action.forward_speed = movement->velocityLin();
     action.turn_rate = movement->velocityAng();
   }
@@ -117,17 +131,18 @@ std::string told_by(const std::exception& error) {
   return std::string(text.substr(std::min(begin, text.size()), text.find('\n', begin) - begin));
 }
 
-/// A frame holds the observations of one moment. MRPT makes room for as many as the file says before it reads one.
-constexpr std::uint32_t kMostInFrame = 10'000;
-constexpr std::string_view kFrameClass = "CSensoryFrame";  // in whatever namespace: MRPT takes old names without, too
-
 }  // namespace
 
 /// What MRPT reads its serialised objects from: our decompressed bytes. Tells data that ends between two objects from
 /// data that is damaged or ends within one.
+///
+/// MRPT reads the length of a string or an array like any other number and makes room for so much before it reads on.
+/// So an object is first read with every number of four bytes that is more than the bytes to come replaced by their
+/// count. Where such a number was a length, so much is asked for next, and the file is refused. Where it was a reading
+/// or an angle, nothing of how the object is built depends on it, and the object is read once more as it is.
 class RawlogEntries::Archive final : public mrpt::serialization::CArchive {
  public:
-  explicit Archive(std::unique_ptr<ByteSource> source);
+  explicit Archive(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {}
 
   /// The next object; null when the data ends just before one. Throws std::exception when the data is damaged, ends
   /// within an object, or holds an object of a kind MRPT does not know.
@@ -143,75 +158,75 @@ class RawlogEntries::Archive final : public mrpt::serialization::CArchive {
   size_t write(const void* buffer, size_t length) override;
 
  private:
-  void fill();
-  void check_frame(std::string_view just_read);
+  /// Replaces a number that may be a length for which the file is too short.
+  void limit(char* number);
   [[noreturn]] void fail(const std::string& reason);
 
-  std::unique_ptr<ByteSource> source_;
-  std::vector<char> buffer_;
-  std::size_t begin_ = 0;  ///< of the unread bytes in buffer_
-  std::size_t end_ = 0;
+  LookAhead source_;
+  RawlogGuard guard_;
   bool object_begun_ = false;
-  bool frame_begun_ = false;  ///< the name of a frame was read, its number of observations was not
   bool ended_between_objects_ = false;
+  bool trying_ = false;       ///< numbers are replaced
+  bool replaced_ = false;     ///< one was, in this object
+  std::size_t limit_ = 0;     ///< that stands for the number just read; 0: none was replaced
+  std::uint32_t number_ = 0;  ///< what it was
   std::string failure_;
 };
-
-RawlogEntries::Archive::Archive(std::unique_ptr<ByteSource> source) : source_(std::move(source)), buffer_(1U << 16) {}
 
 mrpt::serialization::CSerializable::Ptr RawlogEntries::Archive::read_object() {
   object_begun_ = false;
   ended_between_objects_ = false;
+  replaced_ = false;
+  limit_ = 0;
+  source_.set_mark();
+  guard_ = {};
+  trying_ = true;
+  mrpt::serialization::CSerializable::Ptr object;
   try {
-    return ReadObject();
+    object = ReadObject();
   } catch (const std::exception&) {
     if (ended_between_objects_) return nullptr;
     throw;
   }
+  if (!replaced_) return object;
+  trying_ = false;
+  guard_ = {};
+  source_.return_to_mark();
+  return ReadObject();
 }
 
 size_t RawlogEntries::Archive::read(void* buffer, size_t length) {
-  std::size_t size = 0;
-  while (size < length) {
-    if (begin_ == end_) fill();
-    if (begin_ == end_) {
-      ended_between_objects_ = !object_begun_ && size == 0;
-      fail("the file ends in the middle of an entry");
-    }
-    const std::size_t count = std::min(length - size, end_ - begin_);
-    std::memcpy(static_cast<char*>(buffer) + size, buffer_.data() + begin_, count);
-    begin_ += count;
-    size += count;
+  if (limit_ > 0 && length > 0 && length % limit_ == 0) {
+    fail("an object says it holds " + std::to_string(number_) + " things or more, with " + std::to_string(limit_) +
+         (limit_ == kMostInObject ? " allowed" : " bytes left in the file"));
   }
+  limit_ = 0;
+  if (length > kMostAtOnce) fail("an object says it holds " + std::to_string(length) + " bytes in a piece");
+  char* bytes = static_cast<char*>(buffer);
+  if (source_.available(length) < length) {
+    ended_between_objects_ = !object_begun_ && source_.available(1) == 0 && !source_.failure();
+    fail(source_.failure() ? source_.failure()->message : "the file ends in the middle of an entry");
+  }
+  source_.take(bytes, length);
   object_begun_ = true;
-  check_frame({static_cast<const char*>(buffer), size});
-  return size;
+  if (length == 0) return length;
+  if (const std::string flaw = guard_.flaw_of({bytes, length}); !flaw.empty()) fail(flaw);
+  if (trying_ && length == sizeof(number_)) limit(bytes);
+  return length;
+}
+
+void RawlogEntries::Archive::limit(char* number) {
+  std::memcpy(&number_, number, sizeof(number_));
+  const std::size_t most = source_.available(std::min<std::size_t>(number_, kMostInObject));
+  if (number_ <= most) return;
+  replaced_ = true;
+  limit_ = most;
+  const auto instead = static_cast<std::uint32_t>(most);
+  std::memcpy(number, &instead, sizeof(instead));
 }
 
 size_t RawlogEntries::Archive::write(const void* /*buffer*/, size_t /*length*/) {
   throw std::logic_error("this archive is only read");
-}
-
-void RawlogEntries::Archive::fill() {
-  const Result<std::size_t> count = source_->read(buffer_);
-  if (!count) {
-    object_begun_ = true;  // damaged, even if between two objects
-    fail(count.error().message);
-  }
-  begin_ = 0;
-  end_ = *count;
-}
-
-/// Behind a frame's name come its version, in old ones a stamp of 8 bytes, and the number of its observations.
-void RawlogEntries::Archive::check_frame(std::string_view just_read) {
-  std::uint32_t count = 0;
-  if (just_read.substr(just_read.rfind(':') + 1) == kFrameClass) {
-    frame_begun_ = true;
-  } else if (frame_begun_ && just_read.size() == sizeof(count)) {
-    frame_begun_ = false;
-    std::memcpy(&count, just_read.data(), sizeof(count));
-    if (count > kMostInFrame) fail("a frame says it holds " + std::to_string(count) + " observations");
-  }
 }
 
 /// Keeps the reason, because MRPT throws another exception on the way up.

@@ -56,6 +56,7 @@ struct ExternalPose {
   std::string frame;                          ///< of its map
   Pose2 pose;                                 ///< T_map_base, in the map's own unit of length
   std::optional<Eigen::Matrix3d> covariance;  ///< of (x, y, theta) in the map frame; empty: not told
+  std::uint64_t publisher = 0;                ///< another number when the system was started again
 };
 
 using SensorMessage = std::variant<WheelOdometry, LaserScan, Image, Imu, ExternalPose>;

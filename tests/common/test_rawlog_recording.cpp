@@ -13,6 +13,7 @@
 #include <mrpt/serialization/CArchive.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -159,6 +160,21 @@ TEST_F(RawlogRecordingTest, TurnsScansFromLeftToRightRound) {
   EXPECT_FLOAT_EQ(std::get<LaserScan>(contents.messages.at(0)).ranges.front(), 5.0F);
 }
 
+// MRPT copies the byte into a bool as it is: found by fuzzing.
+TEST_F(RawlogRecordingTest, TakesATruthValueThatIsNeitherForTrue) {
+  mrpt::obs::CObservation2DRangeScan scan = scan_at(0);
+  std::string bytes = RawlogWriter().add(scan).bytes();
+  scan.rightToLeft = false;
+  const std::string turned = RawlogWriter().add(scan).bytes();
+  const auto flag = std::ranges::mismatch(bytes, turned).in1;
+  ASSERT_NE(flag, bytes.end());
+  *flag = 33;
+
+  const Contents contents = read(bytes);
+
+  EXPECT_FLOAT_EQ(std::get<LaserScan>(contents.messages.at(0)).ranges.front(), 1.0F);
+}
+
 TEST_F(RawlogRecordingTest, KeepsNoMeasurementAndBeyondRangeApart) {
   mrpt::obs::CObservation2DRangeScan scan = scan_at(0);
   scan.setScanRange(0, 0.0F);
@@ -250,6 +266,102 @@ TEST_F(RawlogRecordingTest, RefusesAFrameOfBillions) {
   ASSERT_FALSE(contents.error);
   ASSERT_EQ(contents.rejected.size(), 1U);
   EXPECT_THAT(contents.rejected[0].reason, HasSubstr("a frame says it holds 2147483647 observations"));
+}
+
+// MRPT uses a null pointer when another object follows than the number says: found by fuzzing.
+TEST_F(RawlogRecordingTest, RefusesAMovementWithoutAPose) {
+  std::string bytes = action_observation_log();
+  const std::string name = "mrpt::obs::CActionRobotMovement2D";
+  const std::size_t method = bytes.rfind(name) + name.size() + 1;  // behind the version
+  bytes.replace(method, 4, std::string("\1\0\0\0", 4));            // no odometry, so a CPosePDF is to follow
+  const Contents contents = read(bytes);
+  ASSERT_FALSE(contents.error);
+  ASSERT_EQ(contents.rejected.size(), 1U);
+  EXPECT_THAT(contents.rejected[0].reason, HasSubstr("a movement holds no pose"));
+}
+
+// MRPT takes all it finds in a collection for actions, without a look: found by fuzzing.
+TEST_F(RawlogRecordingTest, RefusesACollectionOfSomethingElseThanActions) {
+  mrpt::obs::CActionRobotMovement2D movement;
+  movement.computeFromOdometry(mrpt::poses::CPose2D(1.0, 0, 0.5), {});
+  mrpt::obs::CActionCollection actions;
+  actions.insert(movement);
+  actions.insert(movement);
+  const std::string bytes = RawlogWriter().add(frame_of(scan_at(0))).add(actions).add(frame_of(scan_at(1))).bytes();
+  EXPECT_TRUE(read(bytes).rejected.empty());
+  const std::string name = "mrpt::obs::CActionRobotMovement2D";
+  for (const std::size_t place : {bytes.find(name), bytes.rfind(name)}) {
+    std::string damaged = bytes;
+    damaged.replace(place, name.size(), "mrpt::obs::CActio::poses::CPose2D");
+    const Contents contents = read(damaged);
+    ASSERT_FALSE(contents.error);
+    ASSERT_EQ(contents.rejected.size(), 1U);
+    EXPECT_THAT(contents.rejected[0].reason, HasSubstr("a collection of actions holds something else"));
+  }
+}
+
+TEST_F(RawlogRecordingTest, RefusesACollectionOfBillionsOfActions) {
+  std::string bytes = action_observation_log();
+  const std::string name = "mrpt::obs::CActionCollection";
+  bytes.replace(bytes.rfind(name) + name.size() + 1, 4, "\xff\xff\xff\x7f");
+  const Contents contents = read(bytes);
+  ASSERT_EQ(contents.rejected.size(), 1U);
+  EXPECT_THAT(contents.rejected[0].reason, HasSubstr("a collection says it holds 2147483647 actions"));
+}
+
+TEST_F(RawlogRecordingTest, ReadsMovementsThatAreNoOdometry) {
+  mrpt::obs::CActionRobotMovement2D movement;
+  movement.computeFromOdometry(mrpt::poses::CPose2D(1.0, 0, 0.5), {});
+  movement.estimationMethod = mrpt::obs::CActionRobotMovement2D::emScan2DMatching;
+  mrpt::obs::CActionCollection actions;
+  actions.insert(movement);
+  const Contents contents =
+      read(RawlogWriter().add(frame_of(scan_at(0))).add(actions).add(frame_of(scan_at(1))).bytes());
+  ASSERT_FALSE(contents.error) << contents.error->message;
+  EXPECT_TRUE(contents.rejected.empty());
+}
+
+// MRPT draws all of them.
+TEST_F(RawlogRecordingTest, RefusesAMovementOfBillionsOfParticles) {
+  mrpt::obs::CActionRobotMovement2D movement;
+  mrpt::obs::CActionRobotMovement2D::TMotionModelOptions model;
+  model.modelSelection = mrpt::obs::CActionRobotMovement2D::mmThrun;
+  model.thrunModel.nParticlesCount = 54321;  // a number that is found again
+  movement.computeFromOdometry(mrpt::poses::CPose2D(1.0, 0, 0.5), model);
+  mrpt::obs::CActionCollection actions;
+  actions.insert(movement);
+  std::string bytes = RawlogWriter().add(frame_of(scan_at(0))).add(actions).add(frame_of(scan_at(1))).bytes();
+  EXPECT_TRUE(read(bytes).rejected.empty());
+  const std::uint32_t particles = 54321;
+  const std::size_t count = bytes.find(std::string(reinterpret_cast<const char*>(&particles), sizeof(particles)));
+  ASSERT_NE(count, std::string::npos);
+  bytes.replace(count, 4, "\xff\xff\xff\x7f");
+  const Contents contents = read(bytes);
+  ASSERT_EQ(contents.rejected.size(), 1U);
+  EXPECT_THAT(contents.rejected[0].reason, HasSubstr("a movement says it has 2147483647 particles"));
+}
+
+// MRPT makes room for a string or an array before it reads on: found by fuzzing.
+TEST_F(RawlogRecordingTest, RefusesLengthsThatTheFileDoesNotHold) {
+  const std::string label = "a name found again";
+  const std::string good = RawlogWriter().add(scan_at(0, label)).add(scan_at(1, label)).bytes();
+  EXPECT_TRUE(read(good).rejected.empty());
+  const std::size_t of_label = good.rfind(label) - 4;
+  const std::string readings("\5\0\0\0\0\0\x80\x3f", 8);  // five, the first of 1 m
+  const std::size_t of_readings = good.rfind(readings);
+  ASSERT_NE(of_readings, std::string::npos);
+  for (const std::size_t place : {of_label, of_readings}) {
+    for (const std::string length : {"\xff\xff\xff\xff", "\xff\xff\xff\x7f", "\x01\x01\x01\x01"}) {
+      std::string bytes = good;
+      bytes.replace(place, 4, length);
+      const Contents contents = read(bytes);
+      ASSERT_FALSE(contents.error) << contents.error->message;
+      ASSERT_EQ(contents.rejected.size(), 1U);
+      EXPECT_THAT(contents.rejected[0].reason, HasSubstr("sample.rawlog"));
+      EXPECT_THAT(contents.rejected[0].reason, HasSubstr("an object says it holds"));
+      EXPECT_THAT(contents.rejected[0].reason, HasSubstr("bytes left in the file"));
+    }
+  }
 }
 
 TEST_F(RawlogRecordingTest, ReadsGzip) {
