@@ -14,6 +14,7 @@
 #include "common/angle.hpp"
 #include "laser_slam/beam_model.hpp"
 #include "laser_slam/degeneracy.hpp"
+#include "laser_slam/frozen_scan.hpp"
 #include "laser_slam/hypothesis_filter.hpp"
 #include "laser_slam/input_checks.hpp"
 #include "laser_slam/likelihood_field.hpp"
@@ -61,7 +62,7 @@ struct Located {
 class LaserLocalization::Impl {
  public:
   Impl(const LaserSlamOptions& options, std::string sensor, const common::LaserCalibration& calibration,
-       common::OccupancyGrid grid, GridMap surfaces, std::uint64_t seed)
+       common::OccupancyGrid grid, GridMap surfaces, std::uint64_t seed, std::size_t most_kept)
       : options_(options),
         local_(options.localization),
         sensor_(std::move(sensor)),
@@ -75,7 +76,8 @@ class LaserLocalization::Impl {
         matcher_(options.matcher, options.evidence_gain(calibration.beams)),
         predictor_(options.motion),
         filter_(local_.filter, seed),
-        monitor_(local_.monitor) {}
+        monitor_(local_.monitor),
+        path_(most_kept) {}
 
   const std::string& sensor() const { return sensor_; }
   const common::OccupancyGrid& grid() const { return grid_; }
@@ -90,9 +92,13 @@ class LaserLocalization::Impl {
     return result;
   }
 
-  void add(const common::WheelOdometry& odometry) { predictor_.add(odometry); }
+  void add(const common::WheelOdometry& odometry) {
+    predictor_.add(odometry);
+    frozen_.moved_to(odometry.pose);
+  }
 
   common::ProcessResult add(const common::LaserScan& scan) {
+    if (auto fresh = frozen_.check(scan); !fresh) return {std::nullopt, fresh.error().message};
     common::ProcessResult result;
     const common::Nanoseconds sweep = options_.compensate_sweep ? common::from_seconds(calibration_.sweep_duration) : 0;
     const auto beams = project_scan(scan, calibration_,
@@ -375,6 +381,7 @@ class LaserLocalization::Impl {
   PoseSearch search_;
   ScanMatcher matcher_;
   MotionPredictor predictor_;
+  FrozenScan frozen_;
   HypothesisFilter filter_;
   LocalizationMonitor monitor_;
   LocalizationPath path_;
@@ -402,7 +409,7 @@ LaserLocalization::~LaserLocalization() = default;
 
 common::Result<std::unique_ptr<LaserLocalization>> LaserLocalization::create(
     const LaserSlamOptions& options, const std::string& sensor, const common::LaserCalibration& calibration,
-    const LocalizationMap& map, std::uint64_t seed) {
+    const LocalizationMap& map, std::uint64_t seed, std::size_t most_kept) {
   if (auto checked = check_calibration(sensor, calibration); !checked) return tl::unexpected(checked.error());
   const HypothesisFilterOptions& filter = options.localization.filter;
   if (filter.min_particles > filter.max_particles) {
@@ -431,7 +438,7 @@ common::Result<std::unique_ptr<LaserLocalization>> LaserLocalization::create(
     surfaces = std::move(state->map);
   }
   return std::unique_ptr<LaserLocalization>(new LaserLocalization(
-      std::make_unique<Impl>(options, sensor, calibration, map.grid, std::move(*surfaces), seed)));
+      std::make_unique<Impl>(options, sensor, calibration, map.grid, std::move(*surfaces), seed, most_kept)));
 }
 
 bool LaserLocalization::wants(const common::SensorMessage& message) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/slam_module.hpp"
+#include "common/thinned_history.hpp"
 #include "laser_slam/hypothesis_filter.hpp"
 #include "laser_slam/laser_slam_options.hpp"
 
@@ -37,11 +39,13 @@ class LaserLocalization : public common::SlamModule {
   /// Localises the scans named `sensor`. Uses `options.localization` and, of the rest, what concerns scans, matching,
   /// motion and maps, not the filter's. Errors (kInvalidInput): a calibration that cannot be used (see LaserSlam), a
   /// grid that cannot be (see surface_map) or is without any free or any occupied cell, a state that does not belong to
-  /// LaserSlam or has another cell size than the options, more min_particles than max_particles.
+  /// LaserSlam or has another cell size than the options, more min_particles than max_particles. Of the path at most
+  /// `most_kept` poses are kept, thinned beyond (see common::ThinnedHistory).
   static common::Result<std::unique_ptr<LaserLocalization>> create(const LaserSlamOptions& options,
                                                                    const std::string& sensor,
                                                                    const common::LaserCalibration& calibration,
-                                                                   const LocalizationMap& map, std::uint64_t seed);
+                                                                   const LocalizationMap& map, std::uint64_t seed,
+                                                                   std::size_t most_kept = common::kKeepAll);
   ~LaserLocalization() override;
 
   common::PoseSource source() const override { return common::PoseSource::kLaser; }

@@ -12,6 +12,7 @@
 
 #include "common/angle.hpp"
 #include "laser_slam/degeneracy.hpp"
+#include "laser_slam/frozen_scan.hpp"
 #include "laser_slam/input_checks.hpp"
 #include "laser_slam/loop_detector.hpp"
 #include "laser_slam/map_state.hpp"
@@ -42,7 +43,7 @@ FilterSettings filter_settings(const LaserSlamOptions& options) {
 class LaserSlam::Impl {
  public:
   Impl(const LaserSlamOptions& options, std::string sensor, const common::LaserCalibration& calibration,
-       std::uint64_t seed, int threads)
+       std::uint64_t seed, int threads, std::size_t most_kept)
       : options_(options),
         sensor_(std::move(sensor)),
         calibration_(calibration),
@@ -53,13 +54,18 @@ class LaserSlam::Impl {
         filter_(filter_settings(options), matcher_, seed, threads),
         loops_(options.loops),
         monitor_({options.uncertain_agreement, options.lost_agreement, options.lost_time}),
+        path_(most_kept),
         motion_(options.motion) {}
 
   const std::string& sensor() const { return sensor_; }
 
-  void add(const common::WheelOdometry& odometry) { predictor_.add(odometry); }
+  void add(const common::WheelOdometry& odometry) {
+    predictor_.add(odometry);
+    frozen_.moved_to(odometry.pose);
+  }
 
   common::ProcessResult add(const common::LaserScan& scan) {
+    if (auto fresh = frozen_.check(scan); !fresh) return {std::nullopt, fresh.error().message};
     common::ProcessResult result;
     const auto beams = project(scan);
     if (!beams) {
@@ -301,6 +307,7 @@ class LaserSlam::Impl {
   common::LaserCalibration calibration_;
   int threads_;
   MotionPredictor predictor_;
+  FrozenScan frozen_;
   ScanMatcher matcher_;
   ScanTracker tracker_;
   ParticleFilter filter_;
@@ -331,7 +338,7 @@ LaserSlam::~LaserSlam() = default;
 
 common::Result<std::unique_ptr<LaserSlam>> LaserSlam::create(const LaserSlamOptions& options, const std::string& sensor,
                                                              const common::LaserCalibration& calibration,
-                                                             std::uint64_t seed, int threads) {
+                                                             std::uint64_t seed, int threads, std::size_t most_kept) {
   if (auto checked = check_calibration(sensor, calibration); !checked) return tl::unexpected(checked.error());
   if (options.map.mapping_range > kMostCells * options.map.resolution) {
     return common::invalid_input(
@@ -339,7 +346,7 @@ common::Result<std::unique_ptr<LaserSlam>> LaserSlam::create(const LaserSlamOpti
                     options.map.mapping_range, options.map.resolution, kMostCells));
   }
   return std::unique_ptr<LaserSlam>(
-      new LaserSlam(std::make_unique<Impl>(options, sensor, calibration, seed, std::max(threads, 1))));
+      new LaserSlam(std::make_unique<Impl>(options, sensor, calibration, seed, std::max(threads, 1), most_kept)));
 }
 
 bool LaserSlam::wants(const common::SensorMessage& message) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include "common/error.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/slam_module.hpp"
+#include "common/thinned_history.hpp"
 #include "laser_slam/laser_slam_options.hpp"
 
 namespace slamfuse::laser_slam {
@@ -31,7 +33,8 @@ class LaserSlam : public common::SlamModule {
   /// mapping range of more than 4000 cells.
   static common::Result<std::unique_ptr<LaserSlam>> create(const LaserSlamOptions& options, const std::string& sensor,
                                                            const common::LaserCalibration& calibration,
-                                                           std::uint64_t seed, int threads);
+                                                           std::uint64_t seed, int threads,
+                                                           std::size_t most_kept = common::kKeepAll);
   ~LaserSlam() override;
 
   common::PoseSource source() const override { return common::PoseSource::kLaser; }

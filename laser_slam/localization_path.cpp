@@ -1,39 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "laser_slam/localization_path.hpp"
 
+#include <span>
+
 namespace slamfuse::laser_slam {
 
+void LocalizationPath::Chain::operator()(Step& next, const Step& gone) const {
+  next.increment = gone.increment * next.increment;
+}
+
 void LocalizationPath::add(const Entry& entry, const common::Pose2& increment) {
-  entries_.push_back(entry);
-  increments_.push_back(increment);
+  steps_.push({entry, increment, steps_.count()});
 }
 
 void LocalizationPath::lost() {
-  for (auto entry = entries_.rbegin(); entry != entries_.rend() && !entry->good; ++entry) entry->known = false;
+  const std::span<Step> steps = steps_.changeable();
+  for (auto step = steps.rbegin(); step != steps.rend() && !step->good; ++step) step->known = false;
 }
 
 void LocalizationPath::found_since(std::size_t moment) {
-  if (entries_.empty()) return;
-  const int found = entries_.back().hypothesis;
-  entries_.back().known = true;
-  for (std::size_t i = entries_.size() - 1; i-- > moment;) {
-    Entry& entry = entries_[i];
+  const std::span<Step> steps = steps_.changeable();
+  if (steps.empty()) return;
+  const int found = steps.back().hypothesis;
+  steps.back().known = true;
+  for (std::size_t i = steps.size() - 1; i-- > 0 && steps[i].number >= moment;) {
+    Entry& entry = steps[i];
     if (entry.known) continue;
     const bool matched = entry.hypothesis == found && entry.good;
-    if (!matched) entry.pose = entries_[i + 1].pose * increments_[i + 1].inverse();
+    if (!matched) entry.pose = steps[i + 1].pose * steps[i + 1].increment.inverse();
     entry.known = true;
   }
 }
 
-void LocalizationPath::clear() {
-  entries_.clear();
-  increments_.clear();
-}
-
 common::Trajectory2 LocalizationPath::trajectory() const {
   common::Trajectory2 result;
-  for (const Entry& entry : entries_) {
-    if (entry.known) result.push_back({entry.stamp, entry.pose});
+  for (const Step& step : steps_.items()) {
+    if (step.known) result.push_back({step.stamp, step.pose});
   }
   return result;
 }

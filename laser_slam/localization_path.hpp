@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "common/pose2.hpp"
+#include "common/thinned_history.hpp"
 #include "common/time.hpp"
 #include "common/trajectory.hpp"
 
@@ -13,6 +13,9 @@ namespace slamfuse::laser_slam {
 /// The path of a localisation, told again when a pose that was searched for is found.
 class LocalizationPath {
  public:
+  /// Keeps at most `most` of what the scans told, thinned beyond.
+  explicit LocalizationPath(std::size_t most) : steps_(most) {}
+
   /// What one scan told.
   struct Entry {
     common::Nanoseconds stamp = 0;
@@ -25,19 +28,27 @@ class LocalizationPath {
   /// `increment` is the predicted motion since the last one.
   void add(const Entry& entry, const common::Pose2& increment);
   /// The number of scans so far: a moment that found_since() understands.
-  std::size_t now() const { return entries_.size(); }
+  std::size_t now() const { return steps_.count(); }
   /// It turned out LOST: the poses since the last scan that agreed are not known.
   void lost();
   /// The last pose was found right, and its hypothesis has been held since `moment`: places those not known between,
   /// where it was the best one as it was matched then, else by the predicted motion.
   void found_since(std::size_t moment);
-  void clear();
+  void clear() { steps_.clear(); }
   /// The known poses, in the order they were made.
   common::Trajectory2 trajectory() const;
 
  private:
-  std::vector<Entry> entries_;
-  std::vector<common::Pose2> increments_;  // to each entry from the one before
+  struct Step : Entry {
+    common::Pose2 increment;  // from the kept one before
+    std::size_t number = 0;   // of all
+  };
+  /// Where one goes, the next one's increment reaches over it.
+  struct Chain {
+    void operator()(Step& next, const Step& gone) const;
+  };
+
+  common::ThinnedHistory<Step, Chain> steps_;
 };
 
 }  // namespace slamfuse::laser_slam

@@ -8,29 +8,28 @@ void PathLog::clear() {
   segments_.clear();
 }
 
-void PathLog::begin_segment(std::optional<common::Pose2> arrival) { segments_.push_back({arrival, entries_.size()}); }
+void PathLog::begin_segment(std::optional<common::Pose2> arrival) { segments_.push_back({arrival}); }
 
 void PathLog::add(common::Nanoseconds stamp, const common::Pose2& since_update) {
-  entries_.push_back({stamp, since_update});
+  entries_.push({stamp, since_update, segments_.size() - 1, segments_.back().entries++});
 }
 
 common::Trajectory2 PathLog::compose(const std::vector<common::Pose2>& updates) const {
   common::Trajectory2 path;
-  path.reserve(entries_.size());
+  path.reserve(entries_.items().size());
+  auto entry = entries_.items().begin();
+  const auto end = entries_.items().end();
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const bool has_next = s + 1 < segments_.size();
-    const std::size_t first = segments_[s].first_entry;
-    const std::size_t end = has_next ? segments_[s + 1].first_entry : entries_.size();
     // What the next update's pose says beyond the online path, as a twist seen from its arrival.
     Eigen::Vector3d correction = Eigen::Vector3d::Zero();
     if (has_next && segments_[s + 1].arrival) {
       correction = common::log_se2((updates[s] * *segments_[s + 1].arrival).inverse() * updates[s + 1]);
     }
-    for (std::size_t i = first; i < end; ++i) {
+    for (; entry != end && entry->segment == s; ++entry) {
       // The segment's first entry is the update's own scan, at fraction 0; the next update's scan is at fraction 1.
-      const double fraction = static_cast<double>(i - first) / static_cast<double>(end - first);
-      path.push_back(
-          {entries_[i].stamp, updates[s] * entries_[i].since_update * common::exp_se2(correction * fraction)});
+      const double fraction = static_cast<double>(entry->place) / static_cast<double>(segments_[s].entries);
+      path.push_back({entry->stamp, updates[s] * entry->since_update * common::exp_se2(correction * fraction)});
     }
   }
   return path;

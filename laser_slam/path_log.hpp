@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/pose2.hpp"
+#include "common/thinned_history.hpp"
 #include "common/time.hpp"
 #include "common/trajectory.hpp"
 
@@ -15,6 +16,9 @@ namespace slamfuse::laser_slam {
 /// updates' poses are known better.
 class PathLog {
  public:
+  /// Keeps at most `most` estimates, thinned beyond.
+  explicit PathLog(std::size_t most) : entries_(most) {}
+
   void clear();
   /// A filter update has happened. `arrival`: where the online path came to it, relative to the update before; empty
   /// for the first one and where the pose was set from outside.
@@ -30,12 +34,14 @@ class PathLog {
   struct Entry {
     common::Nanoseconds stamp;
     common::Pose2 since_update;
+    std::size_t segment;
+    std::size_t place;  // in the segment
   };
   struct Segment {
     std::optional<common::Pose2> arrival;  // at this segment's start, from the one before
-    std::size_t first_entry;
+    std::size_t entries = 0;               // kept or not
   };
-  std::vector<Entry> entries_;
+  common::ThinnedHistory<Entry> entries_;
   std::vector<Segment> segments_;
 };
 

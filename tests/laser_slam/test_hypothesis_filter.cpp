@@ -225,7 +225,7 @@ TEST(LocalizationMonitor, IsLostWhenScansDisagreeForLongOrAnotherHypothesisTakes
 }
 
 TEST(LocalizationPath, TellsInHindsightWhereItWasWhileItSearched) {
-  LocalizationPath path;
+  LocalizationPath path(common::kKeepAll);
   const common::Pose2 step{1.0, 0.0, 0.0};
   path.add({1, {9.0, 9.0, 0.0}, 3, true, true}, {});
   path.add({2, {50.0, 0.0, 0.0}, 4, true, false}, step);  // held, but another one was thought better
@@ -239,8 +239,27 @@ TEST(LocalizationPath, TellsInHindsightWhereItWasWhileItSearched) {
   EXPECT_NEAR(trajectory[2].pose.x, 2.02, 1e-12);
 }
 
+TEST(LocalizationPath, TellsItInHindsightWhereItIsThinnedToo) {
+  LocalizationPath path(200);
+  constexpr int kScans = 5000;
+  constexpr common::Nanoseconds kPeriod = 100'000'000;
+  for (int i = 0; i < kScans; ++i) {
+    const bool last = i + 1 == kScans;
+    path.add({i * kPeriod, {last ? 1.0 * i : 0.0, 0.0, 0.0}, 7, last, last}, {1.0, 0.0, 0.0});
+  }
+  EXPECT_EQ(path.now(), static_cast<std::size_t>(kScans));
+  path.found_since(1000);
+  const auto trajectory = path.trajectory();
+  EXPECT_LE(trajectory.size(), 200U);
+  EXPECT_GT(trajectory.size(), 60U);
+  EXPECT_GE(trajectory.front().stamp, 1000 * kPeriod);
+  for (const auto& pose : trajectory) {
+    EXPECT_NEAR(pose.pose.x, static_cast<double>(pose.stamp / kPeriod), 1e-9);
+  }
+}
+
 TEST(LocalizationPath, TakesBackPosesSinceTheScansStoppedToAgree) {
-  LocalizationPath path;
+  LocalizationPath path(common::kKeepAll);
   path.add({1, {}, 0, true, true}, {});
   path.add({2, {}, 0, false, true}, {});
   path.add({3, {}, 0, false, true}, {});

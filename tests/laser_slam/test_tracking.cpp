@@ -86,7 +86,7 @@ TEST(Ancestry, FollowsParentsBackThroughResampling) {
 }
 
 TEST(PathLog, SpreadsACorrectionEvenlyOverItsSegment) {
-  PathLog log;
+  PathLog log(common::kKeepAll);
   log.begin_segment(std::nullopt);
   log.add(0, {});
   log.add(1, {1.0, 0.0, 0.0});
@@ -106,13 +106,40 @@ TEST(PathLog, SpreadsACorrectionEvenlyOverItsSegment) {
 }
 
 TEST(PathLog, DoesNotBendThePathTowardsAPoseSetFromOutside) {
-  PathLog log;
+  PathLog log(common::kKeepAll);
   log.begin_segment(std::nullopt);
   log.add(0, {});
   log.add(1, {1.0, 0.0, 0.0});
   log.begin_segment(std::nullopt);
   const auto path = log.compose({{0.0, 0.0, 0.0}, {50.0, 0.0, 0.0}});
   EXPECT_NEAR(path[1].pose.x, 1.0, 1e-9);
+}
+
+TEST(PathLog, KeepsItsPosesRightWhereItIsThinned) {
+  constexpr int kSegments = 500;
+  constexpr int kPerSegment = 30;
+  PathLog all(common::kKeepAll);
+  PathLog thinned(1000);
+  std::vector<common::Pose2> updates;
+  common::Nanoseconds stamp = 0;
+  for (int s = 0; s < kSegments; ++s) {
+    updates.push_back({1.1 * s, 0.3, 0.0});
+    for (PathLog* log : {&all, &thinned}) log->begin_segment(common::Pose2{1.0, 0.0, 0.0});
+    for (int i = 0; i < kPerSegment; ++i) {
+      stamp += kSecond / 10;
+      for (PathLog* log : {&all, &thinned}) log->add(stamp, {i / 30.0, 0.0, 0.0});
+    }
+  }
+  const auto complete = all.compose(updates);
+  const auto path = thinned.compose(updates);
+  ASSERT_EQ(complete.size(), static_cast<std::size_t>(kSegments * kPerSegment));
+  EXPECT_LE(path.size(), 1000u);
+  EXPECT_GT(path.size(), 450u);
+  for (const auto& pose : path) {
+    const auto& same = complete[static_cast<std::size_t>(pose.stamp / (kSecond / 10)) - 1];
+    EXPECT_EQ(pose.stamp, same.stamp);
+    EXPECT_EQ(pose.pose.x, same.pose.x);
+  }
 }
 
 TEST(MotionPredictor, UsesOdometryAndElseTheLastSpeed) {
