@@ -29,6 +29,9 @@ class CameraTracks {
   /// the filter it would look like a world without depth.) `odometry` is T_odom_base at the image's stamp.
   bool is_frozen(const common::Image& image, const common::Pose2& odometry);
 
+  /// As if no image had come.
+  void restart() { *this = CameraTracks(camera); }
+
   Camera camera;
   std::vector<Track> tracks;
   std::optional<common::Nanoseconds> newest;  ///< stamp of the newest image

@@ -3,20 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
+#include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 #include "common/angle.hpp"
+#include "common/median.hpp"
 #include "visual_slam/consensus.hpp"
-#include "visual_slam/observation_pair.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
 
-constexpr double kImpossible = 3.0;      // standard deviations an inverse depth may be below 0: cutting at 0 would keep
-                                         // only the landmarks that seem too near and so shrink the map
 constexpr double kPlausible = 7.8;       // squared standard deviations of three numbers that 95 % stay below
 constexpr double kInflationStep = 1.25;  // factors of the covariance that are tried
 constexpr double kMostInflation = 1e6;
@@ -40,7 +38,7 @@ Eigen::Matrix<double, 3, 6> point_by_pose(const Eigen::Vector3d& point, const Bo
 Eigen::MatrixXd innovation_covariance(const State& state, std::span<const LinearMeasurement> measurements,
                                       const Eigen::MatrixXd& covariance_times_jacobian) {
   Eigen::MatrixXd s = state.jacobian_times(measurements, covariance_times_jacobian);
-  for (int i = 0; i < static_cast<int>(measurements.size()); ++i) {
+  for (Eigen::Index i = 0; i < std::ssize(measurements); ++i) {
     s.block<2, 2>(2 * i, 2 * i) += measurements[static_cast<std::size_t>(i)].noise;
   }
   return s;
@@ -48,7 +46,7 @@ Eigen::MatrixXd innovation_covariance(const State& state, std::span<const Linear
 
 Eigen::VectorXd stacked_residuals(std::span<const LinearMeasurement> measurements) {
   Eigen::VectorXd residuals(2 * static_cast<int>(measurements.size()));
-  for (int i = 0; i < static_cast<int>(measurements.size()); ++i) {
+  for (Eigen::Index i = 0; i < std::ssize(measurements); ++i) {
     residuals.segment<2>(2 * i) = measurements[static_cast<std::size_t>(i)].residual;
   }
   return residuals;
@@ -58,20 +56,15 @@ Eigen::VectorXd stacked_residuals(std::span<const LinearMeasurement> measurement
 
 Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion)
     : options_(filter), motion_(make_motion_model(motion)) {
+  options_.linearity_index *= motion_->bearing_margin();  // so that a margin does not delay the landmarks
   robot_ = motion_->append_robot(state_);
   motion_parameters_ = motion_->append_parameters(state_);
-}
-
-const PastPose* Ekf::keyframe_at(common::Nanoseconds stamp) const {
-  const auto found = std::find_if(past_poses_.begin(), past_poses_.end(),
-                                  [stamp](const PastPose& past) { return past.keyframe && past.stamp == stamp; });
-  return found == past_poses_.end() ? nullptr : &*found;
 }
 
 void Ekf::predict(const MotionStep& step) {
   const common::Pose2 before = pose();
   const std::optional<Slip> slip = motion_->slip(state_, robot_, motion_parameters_, step);
-  if (motion_->predict(state_, robot_, motion_parameters_, step)) moved_ = true;
+  if (motion_->predict(state_, robot_, motion_parameters_, step)) past_poses_.robot_moved();
   if (!slip) return;
   wheels_.move(*slip, pose().translation() - before.translation(), step.seconds);
 }
@@ -84,132 +77,36 @@ SlipWatch::Verdict Ekf::watch_wheels(std::span<const LinearMeasurement> measurem
                                      const Eigen::MatrixXd& covariance) {
   if (!wheels_.since_image()) return SlipWatch::Verdict::kNothing;
   Eigen::Matrix<double, Eigen::Dynamic, 2> by_slip(covariance.rows(), 2);
-  for (int i = 0; i < static_cast<int>(measurements.size()); ++i) {
+  for (Eigen::Index i = 0; i < std::ssize(measurements); ++i) {
     by_slip.middleRows<2>(2 * i) =
         measurements[static_cast<std::size_t>(i)].jacobian.front().matrix * wheels_.since_image()->pose;
   }
   if (by_slip.cwiseAbs().maxCoeff() < std::sqrt(measurements.front().noise(0, 0))) return SlipWatch::Verdict::kNothing;
   const SlipWatch::Verdict verdict = wheels_.judge(slip_evidence(stacked_residuals(measurements), covariance, by_slip,
                                                                  chi_square_gate_2(options_.gate_probability)));
-  if (verdict == SlipWatch::Verdict::kSlip) admit_slip();
-  if (verdict == SlipWatch::Verdict::kGrip) admit_grip();
+  const Slip& slip = *wheels_.since_image();
+  if (verdict == SlipWatch::Verdict::kSlip) slip_admission_.begin(state_, robot_, motion_parameters_, slip);
+  if (verdict == SlipWatch::Verdict::kGrip) slip_admission_.end(state_, robot_, motion_parameters_, slip);
   return verdict;
 }
 
-/// Makes the odometry's scale as uncertain as slip makes it, and with it the pose reached by it since the last image.
-/// The camera then tells by how much the wheels slip, and the odometry corrected by that keeps the map's scale.
-void Ekf::admit_slip() {
-  grip_mean_ = state_.mean(motion_parameters_);
-  grip_covariance_ = state_.covariance(motion_parameters_, motion_parameters_);
-  const Slip& by_slip = *wheels_.since_image();
-  const BlockId slip = state_.append(Eigen::Vector2d::Zero(), BlockKind::kCalibration, {}, Eigen::Matrix2d::Identity());
-  const int parameters = static_cast<int>(grip_mean_.size());
-  const JacobianPart<Eigen::Dynamic> to_parameters[] = {
-      {motion_parameters_, Eigen::MatrixXd::Identity(parameters, parameters)}, {slip, by_slip.parameters}};
-  state_.transform(motion_parameters_, grip_mean_, BlockKind::kCalibration, to_parameters,
-                   Eigen::MatrixXd::Zero(parameters, parameters));
-  const JacobianPart<Eigen::Dynamic> to_pose[] = {{robot_, Eigen::Matrix3d::Identity()}, {slip, by_slip.pose}};
-  state_.transform(robot_, Eigen::VectorXd(state_.mean(robot_)), BlockKind::kPose, to_pose, Eigen::Matrix3d::Zero());
-  state_.remove(std::span(&slip, 1));
-}
-
-/// Gives the odometry the systematic errors it had before the wheels slipped, also for the way since the last image.
-void Ekf::admit_grip() {
-  const Slip& by_slip = *wheels_.since_image();
-  const Eigen::MatrixXd to_pose = by_slip.pose * by_slip.parameters.colPivHouseholderQr().solve(
-                                                     Eigen::MatrixXd::Identity(grip_mean_.size(), grip_mean_.size()));
-  const Eigen::Vector3d change = to_pose * (grip_mean_ - state_.mean(motion_parameters_));
-  const Eigen::Matrix3d noise =
-      to_pose * state_.covariance(motion_parameters_, motion_parameters_) * to_pose.transpose();
-  const JacobianPart<Eigen::Dynamic> same[] = {{robot_, Eigen::Matrix3d::Identity()}};
-  state_.transform(robot_, Eigen::VectorXd(state_.mean(robot_) + change), BlockKind::kPose, same, noise);
-  state_.transform(motion_parameters_, grip_mean_, BlockKind::kCalibration, {}, grip_covariance_);
-}
-
-std::optional<Projection> Ekf::project(const Camera& camera, const FilterLandmark& landmark,
-                                       const BodyPose& row_shift) const {
-  const Eigen::Vector3d numbers = numbers_of(landmark);
-  const BodyPose robot = body_pose(state_, robot_);
-  if (!landmark.anchored()) return project_cartesian(camera, row_shift, robot, numbers, lever_scale());
-  return project_anchored(camera, row_shift, robot, landmark.anchor, body_pose(state_, landmark.anchor_pose), numbers,
-                          lever_scale());
-}
-
-Eigen::Vector3d Ekf::numbers_of(const FilterLandmark& landmark) const {
-  if (landmark.in_state()) return state_.mean(landmark.block);
-  if (landmark.form == LandmarkForm::kFixed) return landmark.fixed.position;
-  return {landmark.first.point.x(), landmark.first.point.y(), landmark.inverse_depth};
+Bearing Ekf::with_margin(Bearing bearing) const {
+  bearing.sigma *= motion_->bearing_margin();
+  return bearing;
 }
 
 std::optional<LinearMeasurement> Ekf::linearise(const Camera& camera, const Measurement& measurement) const {
-  const FilterLandmark& landmark = landmarks_.at(measurement.landmark);
-  const std::optional<Projection> projection = project(camera, landmark, measurement.bearing.row_shift);
-  if (!projection) return std::nullopt;
-  LinearMeasurement linear;
-  linear.residual = measurement.bearing.point - projection->point;
-  linear.noise = square(measurement.bearing.sigma) * Eigen::Matrix2d::Identity();
-  linear.jacobian.push_back(pose_part(state_, robot_, projection->wrt_robot));
-  if (landmark.anchored()) linear.jacobian.push_back(pose_part(state_, landmark.anchor_pose, projection->wrt_anchor));
-  if (std::optional<JacobianPart<2>> lever = lever_part<2>(projection->wrt_lever_scale)) {
-    linear.jacobian.push_back(std::move(*lever));
-  }
-  if (landmark.form == LandmarkForm::kFixed) {
-    linear.noise += projection->wrt_landmark * landmark.fixed.covariance * projection->wrt_landmark.transpose();
-  } else {
-    linear.jacobian.push_back({landmark.block, projection->wrt_landmark});
-  }
-  return linear;
-}
-
-template <int Rows>
-std::optional<JacobianPart<Rows>> Ekf::lever_part(const Eigen::Matrix<double, Rows, 1>& wrt_lever_scale) const {
-  const std::optional<int> index = motion_->lever_scale_index();
-  if (!index) return std::nullopt;
-  JacobianPart<Rows> part{motion_parameters_, Eigen::MatrixXd::Zero(Rows, state_.mean(motion_parameters_).size())};
-  part.matrix.col(*index) = wrt_lever_scale;
-  return part;
+  return model().linearise(camera, landmarks_.at(measurement.landmark), measurement.bearing);
 }
 
 std::optional<Prediction> Ekf::predict_bearing(const Camera& camera, LandmarkId landmark,
                                                const BodyPose& row_shift) const {
-  return predict(camera, landmarks_.at(landmark), row_shift);
+  return model().predict(camera, landmarks_.at(landmark), row_shift);
 }
 
 std::optional<Prediction> Ekf::predict_point(const Camera& camera, const MapPoint& point,
                                              const BodyPose& row_shift) const {
-  return predict(camera, {.form = LandmarkForm::kFixed, .fixed = point}, row_shift);
-}
-
-std::optional<Prediction> Ekf::predict(const Camera& camera, const FilterLandmark& entry,
-                                       const BodyPose& row_shift) const {
-  const std::optional<Projection> projection = project(camera, entry, row_shift);
-  if (!projection) return std::nullopt;
-  std::vector<JacobianPart<2>> parts = {pose_part(state_, robot_, projection->wrt_robot)};
-  if (entry.in_state()) parts.push_back({entry.block, projection->wrt_landmark});
-  if (entry.anchored()) parts.push_back(pose_part(state_, entry.anchor_pose, projection->wrt_anchor));
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  if (entry.form == LandmarkForm::kFixed) {
-    covariance = projection->wrt_landmark * entry.fixed.covariance * projection->wrt_landmark.transpose();
-  }
-  for (const auto& [row, by_row] : parts) {
-    for (const auto& [column, by_column] : parts) {
-      covariance += by_row * state_.covariance(row, column) * by_column.transpose();
-    }
-  }
-  if (const std::optional<JacobianPart<2>> lever = lever_part<2>(projection->wrt_lever_scale)) {
-    Eigen::Matrix2d cross = Eigen::Matrix2d::Zero();
-    for (const auto& [row, by_row] : parts) {
-      cross += by_row * state_.covariance(row, lever->block) * lever->matrix.transpose();
-    }
-    covariance += cross + cross.transpose() +
-                  lever->matrix * state_.covariance(lever->block, lever->block) * lever->matrix.transpose();
-  }
-  if (entry.form == LandmarkForm::kWaiting) {
-    const Eigen::Vector3d variances(square(entry.first.sigma), square(entry.first.sigma),
-                                    square(options_.inverse_depth_sigma));
-    covariance += projection->wrt_landmark * variances.asDiagonal() * projection->wrt_landmark.transpose();
-  }
-  return Prediction{projection->point, covariance};
+  return model().predict(camera, {.form = LandmarkForm::kFixed, .fixed = point}, row_shift);
 }
 
 bool Ekf::depth_is_known(const FilterLandmark& landmark) const {
@@ -252,7 +149,9 @@ void Ekf::learn_depth(const Camera& camera, const Measurement& measurement) {
                        square(measurement.bearing.sigma));
 }
 
-UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> measurements) {
+UpdateReport Ekf::update(const Camera& camera, std::span<const Measurement> given) {
+  std::vector<Measurement> measurements(given.begin(), given.end());
+  for (Measurement& measurement : measurements) measurement.bearing = with_margin(measurement.bearing);
   UpdateReport report;
   report.accepted.assign(measurements.size(), false);
   typical_inverse_depth_.reset();
@@ -289,7 +188,10 @@ void Ekf::correct(const Camera& camera, std::span<const Measurement> measurement
   for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);
 
   if (options_.scene_depth_sigma > 0.0 && motion_->is_metric()) {
-    typical_inverse_depth_ = typical_inverse_depth(camera, measurements, accepted);
+    std::vector<double> known = known_inverse_depths(camera, measurements, accepted);
+    if (static_cast<int>(known.size()) >= options_.min_known_depths) {
+      typical_inverse_depth_ = common::median(std::move(known));
+    }
   }
   const std::vector<bool> depth_known = which_depths_count(measurements, accepted);
   const Eigen::VectorXd prior = state_.mean();
@@ -327,77 +229,33 @@ bool Ekf::starts_delayed() const {
   return known >= options_.min_known_depths;
 }
 
-/// Whether a bearing of a waiting landmark fits its epipolar line; makes the landmark a point when the pair with its
-/// first sight is well-conditioned.
+/// Whether a bearing of a waiting landmark fits; makes the landmark a point when it and its first sight allow.
 bool Ekf::pair_up(const Camera& camera, const Measurement& measurement) {
   FilterLandmark& landmark = landmarks_.at(measurement.landmark);
-  const RelativeMotion relative = relative_motion(state_, landmark.anchor_pose, robot_);
-  const ObservationPair pair{.first_camera = landmark.anchor.camera,
-                             .second_camera = &camera,
-                             .first = landmark.first,
-                             .second = measurement.bearing,
-                             .motion = relative.motion,
-                             .motion_covariance = relative.covariance,
-                             .lever_scale = lever_scale()};
-  const std::optional<Prediction> prediction =
-      predict_bearing(camera, measurement.landmark, measurement.bearing.row_shift);
-  const std::optional<Intersection> at = intersect(pair);
-  if (!prediction || !at) return prediction.has_value();
-  const Eigen::Vector2d across(-at->along.y(), at->along.x());
-  const double miss = across.dot(measurement.bearing.point - prediction->point);
-  const double variance = across.dot(prediction->covariance * across) + square(measurement.bearing.sigma);
-  if (square(miss) > chi_square_gate_2(options_.gate_probability) * variance) return false;
-  if (at->inverse_depth > 0.0) landmark.inverse_depth = at->inverse_depth;
-  if (divergence_from_gaussian(pair, *at, options_.divergence_samples) > options_.max_divergence) return true;
-  const std::optional<PairPoint> point = point_of_pair(pair, *at, body_pose(state_, landmark.anchor_pose));
-  if (!point) return true;
-  std::vector<JacobianPart<Eigen::Dynamic>> parts;
-  for (const JacobianPart<3>& part :
-       {pose_part(state_, robot_, point->wrt_robot), pose_part(state_, landmark.anchor_pose, point->wrt_anchor)}) {
-    parts.push_back({part.block, part.matrix});
-  }
-  if (const auto lever = lever_part<3>(point->wrt_lever_scale)) parts.push_back({lever->block, lever->matrix});
-  landmark.block = state_.append(point->position, BlockKind::kPoint, parts, point->covariance);
-  landmark.form = LandmarkForm::kPoint;
-  --past_pose_of(landmark.anchor_pose).anchored;
-  return true;
+  const PairOutcome outcome = visual_slam::pair_up(state_, model(), landmark, camera, measurement.bearing, options_);
+  if (outcome == PairOutcome::kEntered) past_poses_.release(landmark.anchor_pose);
+  return outcome != PairOutcome::kMisfit;
 }
 
-PastPose& Ekf::past_pose_now(common::Nanoseconds stamp) {
-  if (past_poses_.empty() || moved_ || past_poses_.back().stamp != stamp) {
-    const BlockId block = append_copy(state_, robot_);
-    past_poses_.push_back({.block = block, .stamp = stamp, .keyframe = false, .anchored = 0});
-    moved_ = false;
-  }
-  return past_poses_.back();
-}
-
-PastPose& Ekf::past_pose_of(BlockId block) {
-  return *std::find_if(past_poses_.begin(), past_poses_.end(),
-                       [block](const PastPose& past) { return past.block == block; });
-}
-
-void Ekf::add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& bearing, common::Nanoseconds stamp) {
-  PastPose& anchor = past_pose_now(stamp);
-  ++anchor.anchored;
+void Ekf::add_landmark(LandmarkId landmark, const Camera& camera, const Bearing& given, common::Nanoseconds stamp) {
+  const Bearing bearing = with_margin(given);
+  const BlockId anchor = past_poses_.anchor(state_, robot_, stamp);
   FilterLandmark entry{.form = LandmarkForm::kWaiting,
                        .block = 0,
-                       .anchor_pose = anchor.block,
+                       .anchor_pose = anchor,
                        .anchor = {&camera, bearing.row_shift},
                        .first = bearing,
                        .inverse_depth = options_.initial_inverse_depth};
   if (!starts_delayed()) {
     entry.form = LandmarkForm::kInverseDepth;
-    entry.block = append_inverse_depth(bearing);
+    entry.block = enter_by_inverse_depth(state_, bearing, guessed_depth());
   }
   landmarks_.emplace(landmark, std::move(entry));
 }
 
-/// The median inverse depth of the accepted landmarks whose depth is known: what a new one in this image has, probably.
-std::optional<double> Ekf::typical_inverse_depth(const Camera& camera, std::span<const Measurement> measurements,
-                                                 std::span<const std::size_t> accepted) const {
-  const BodyPose robot = body_pose(state_, robot_);
-  const Eigen::Vector3d axis = robot.rotation * camera.R_base_camera.col(2);
+std::vector<double> Ekf::known_inverse_depths(const Camera& camera, std::span<const Measurement> measurements,
+                                              std::span<const std::size_t> accepted) const {
+  const Eigen::Vector3d axis = body_pose(state_, robot_).rotation * camera.R_base_camera.col(2);
   std::vector<double> inverse_depths;
   for (const std::size_t i : accepted) {
     const LandmarkId id = measurements[i].landmark;
@@ -407,23 +265,13 @@ std::optional<double> Ekf::typical_inverse_depth(const Camera& camera, std::span
     const double depth = axis.dot(*at - camera_centre(camera));
     if (depth > 0.0) inverse_depths.push_back(1.0 / depth);
   }
-  if (static_cast<int>(inverse_depths.size()) < options_.min_known_depths) return std::nullopt;
-  const auto middle = inverse_depths.begin() + static_cast<std::ptrdiff_t>(inverse_depths.size() / 2);
-  std::nth_element(inverse_depths.begin(), middle, inverse_depths.end());
-  return *middle;
+  return inverse_depths;
 }
 
-BlockId Ekf::append_inverse_depth(const Bearing& bearing) {
-  double inverse_depth = options_.initial_inverse_depth;
-  double sigma = options_.inverse_depth_sigma;
-  if (typical_inverse_depth_) {
-    inverse_depth = *typical_inverse_depth_;
-    sigma = options_.scene_depth_sigma * inverse_depth;
-  }
-  const Eigen::Vector3d numbers(bearing.point.x(), bearing.point.y(), inverse_depth);
-  const Eigen::Matrix3d noise =
-      Eigen::Vector3d(square(bearing.sigma), square(bearing.sigma), square(sigma)).asDiagonal();
-  return state_.append(numbers, BlockKind::kInverseDepth, {}, noise);
+/// The median of what the last image saw is what a new landmark in it has, probably.
+DepthGuess Ekf::guessed_depth() const {
+  if (!typical_inverse_depth_) return {options_.initial_inverse_depth, options_.inverse_depth_sigma};
+  return {*typical_inverse_depth_, options_.scene_depth_sigma * *typical_inverse_depth_};
 }
 
 void Ekf::add_fixed_landmark(LandmarkId landmark, const MapPoint& point) {
@@ -452,22 +300,16 @@ std::vector<LandmarkId> Ekf::convert(const Camera& camera, std::span<const Landm
   for (const LandmarkId id : landmarks) {
     FilterLandmark& landmark = landmarks_.at(id);
     if (landmark.form != LandmarkForm::kInverseDepth) continue;
-    const Eigen::Vector3d numbers = state_.mean(landmark.block);
-    const double sigma = std::sqrt(std::max(0.0, state_.covariance(landmark.block, landmark.block)(2, 2)));
-    if (numbers.z() < -kImpossible * sigma) impossible.push_back(id);
-    if (numbers.z() <= 0.0) continue;
-    const BodyPose anchor_pose = body_pose(state_, landmark.anchor_pose);
-    const CartesianPoint point = to_cartesian(landmark.anchor, anchor_pose, numbers, lever_scale());
-    const double index = linearity_index(optical_centre(*landmark.anchor.camera, anchor_pose, lever_scale()),
-                                         camera_centre(camera), point.position, numbers.z(), sigma);
-    if (index > options_.linearity_index) continue;
-    const JacobianPart<3> by_anchor = pose_part(state_, landmark.anchor_pose, point.wrt_anchor);
-    std::vector<JacobianPart<Eigen::Dynamic>> parts = {{by_anchor.block, by_anchor.matrix},
-                                                       {landmark.block, point.wrt_landmark}};
-    if (const auto lever = lever_part<3>(point.wrt_lever_scale)) parts.push_back({lever->block, lever->matrix});
-    state_.transform(landmark.block, point.position, BlockKind::kPoint, parts, Eigen::Matrix3d::Zero());
-    landmark.form = LandmarkForm::kPoint;
-    --past_pose_of(landmark.anchor_pose).anchored;
+    switch (make_cartesian(state_, model(), landmark, camera, options_.linearity_index)) {
+      case Conversion::kImpossible:
+        impossible.push_back(id);
+        break;
+      case Conversion::kDone:
+        past_poses_.release(landmark.anchor_pose);
+        break;
+      case Conversion::kNotYet:
+        break;
+    }
   }
   remove_blocks({});
   return impossible;
@@ -477,7 +319,7 @@ void Ekf::remove(std::span<const LandmarkId> landmarks) {
   std::vector<BlockId> blocks;
   for (const LandmarkId id : landmarks) {
     const FilterLandmark& landmark = landmarks_.at(id);
-    if (landmark.anchored()) --past_pose_of(landmark.anchor_pose).anchored;
+    if (landmark.anchored()) past_poses_.release(landmark.anchor_pose);
     if (landmark.in_state()) blocks.push_back(landmark.block);
     landmarks_.erase(id);
   }
@@ -486,32 +328,14 @@ void Ekf::remove(std::span<const LandmarkId> landmarks) {
 
 /// Removes the blocks given and the past poses nobody needs any more.
 void Ekf::remove_blocks(std::vector<BlockId> blocks) {
-  std::erase_if(past_poses_, [&blocks](const PastPose& past) {
-    const bool needless = !past.keyframe && past.anchored == 0;
-    if (needless) blocks.push_back(past.block);
-    return needless;
-  });
+  const std::vector<BlockId> needless = past_poses_.take_needless();
+  blocks.insert(blocks.end(), needless.begin(), needless.end());
   state_.remove(blocks);
 }
 
 void Ekf::add_keyframe(common::Nanoseconds stamp, int max_keyframes) {
-  past_pose_now(stamp).keyframe = true;
-  std::vector<PastPose*> keyframes;
-  for (PastPose& past : past_poses_) {
-    if (past.keyframe) keyframes.push_back(&past);
-  }
-  if (static_cast<int>(keyframes.size()) <= max_keyframes) return;
-  std::size_t spare = 1;
-  common::Nanoseconds shortest = std::numeric_limits<common::Nanoseconds>::max();
-  for (std::size_t i = 1; i + 1 < keyframes.size(); ++i) {
-    const common::Nanoseconds gap = keyframes[i + 1]->stamp - keyframes[i - 1]->stamp;
-    if (gap < shortest) {
-      shortest = gap;
-      spare = i;
-    }
-  }
-  keyframes[spare]->keyframe = false;
-  remove_blocks({});
+  past_poses_.add_keyframe(state_, robot_, stamp);
+  if (past_poses_.limit_keyframes(max_keyframes)) remove_blocks({});
 }
 
 double Ekf::distance_to(const common::Pose2& measured, const Eigen::Matrix3d& covariance) const {
@@ -532,7 +356,7 @@ void Ekf::correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& cov
   const Eigen::VectorXd step = gain_side * llt.solve(residual);
   state_.subtract_outer_product(llt.matrixL().solve(gain_side.transpose()).transpose());
   state_.correct(step);
-  moved_ = true;
+  past_poses_.robot_moved();
 }
 
 std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen::Matrix3d& covariance) {
@@ -542,7 +366,7 @@ std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen
   }
   remove(without_depth);
   set_planar_pose(state_, robot_, new_pose, covariance);
-  moved_ = true;
+  past_poses_.robot_moved();
   return without_depth;
 }
 
@@ -555,7 +379,7 @@ std::optional<MapPoint> Ekf::map_point(LandmarkId landmark) const {
 
 std::optional<Eigen::Vector3d> Ekf::likely_position(LandmarkId landmark) const {
   const FilterLandmark& entry = landmarks_.at(landmark);
-  const Eigen::Vector3d numbers = numbers_of(entry);
+  const Eigen::Vector3d numbers = entry.numbers(state_);
   if (!entry.anchored()) return numbers;
   if (numbers.z() <= 0.0) return std::nullopt;
   return to_cartesian(entry.anchor, body_pose(state_, entry.anchor_pose), numbers, lever_scale()).position;

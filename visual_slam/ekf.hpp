@@ -14,10 +14,13 @@
 #include "common/pose3.hpp"
 #include "common/time.hpp"
 #include "visual_slam/camera.hpp"
+#include "visual_slam/landmark_initialisation.hpp"
+#include "visual_slam/measurement_model.hpp"
 #include "visual_slam/motion_model.hpp"
 #include "visual_slam/options.hpp"
+#include "visual_slam/past_poses.hpp"
 #include "visual_slam/pose_block.hpp"
-#include "visual_slam/projection.hpp"
+#include "visual_slam/slip_admission.hpp"
 #include "visual_slam/slip_watch.hpp"
 #include "visual_slam/state.hpp"
 
@@ -31,32 +34,12 @@ struct Measurement {
   Bearing bearing;
 };
 
-/// Where a landmark should appear.
-struct Prediction {
-  Eigen::Vector2d point;       ///< normalised image point (x/z, y/z)
-  Eigen::Matrix2d covariance;  ///< of `point`, without the measurement noise
-};
-
-/// A landmark's place in the map.
-struct MapPoint {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();    ///< [m]
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [m^2]
-};
-
 /// What an update did.
 struct UpdateReport {
   std::vector<bool> accepted;  ///< for each measurement
   int inliers = 0;
   double mean_nis = 0.0;                                     ///< of the accepted ones, per degree of freedom
   SlipWatch::Verdict wheels = SlipWatch::Verdict::kNothing;  ///< whether they have begun to slip or to grip again
-};
-
-/// A past pose of base_link that is still estimated.
-struct PastPose {
-  BlockId block = 0;
-  common::Nanoseconds stamp = 0;
-  bool keyframe = false;  ///< stays for the final trajectory; others go with the last landmark anchored there
-  int anchored = 0;       ///< landmarks whose inverse depth refers to it
 };
 
 /// The extended Kalman filter: robot pose, systematic odometry errors, past poses and landmarks in one dense state.
@@ -87,11 +70,11 @@ class Ekf {
     return optical_centre(camera, body_pose(state_, robot_), lever_scale());
   }
   const State& state() const { return state_; }
-  const std::vector<PastPose>& past_poses() const { return past_poses_; }
+  const std::vector<PastPose>& past_poses() const { return past_poses_.all(); }
   common::Pose2 past_pose(const PastPose& past) const { return planar_pose(state_, past.block); }
   common::Pose3 spatial_past_pose(const PastPose& past) const { return visual_slam::spatial_pose(state_, past.block); }
   /// The keyframe of that stamp; null when there is none.
-  const PastPose* keyframe_at(common::Nanoseconds stamp) const;
+  const PastPose* keyframe_at(common::Nanoseconds stamp) const { return past_poses_.keyframe_at(stamp); }
   bool has(LandmarkId landmark) const { return landmarks_.contains(landmark); }
   std::size_t landmark_count() const { return landmarks_.size(); }
   bool is_cartesian(LandmarkId landmark) const { return !landmarks_.at(landmark).anchored(); }
@@ -112,6 +95,8 @@ class Ekf {
   /// Landmarks that wait for a well-conditioned pair correct nothing: their bearing is accepted when it fits the
   /// epipolar line, and when the pair with their first sight passes the test of seed 000 section II.E they enter as
   /// points.
+  ///
+  /// Bearings are taken for MotionModel::bearing_margin times as noisy as their sigma says, here and in add_landmark().
   UpdateReport update(const Camera& camera, std::span<const Measurement> measurements);
   /// Enters a landmark seen the first time: by inverse depth, undelayed (seed 002 section 2.3), or, as the options
   /// say, to wait for a well-conditioned pair. Its inverse depth starts at the median of the landmarks of known depth
@@ -153,35 +138,14 @@ class Ekf {
   std::optional<Eigen::Vector3d> likely_position(LandmarkId landmark) const;
 
  private:
-  enum class LandmarkForm { kWaiting, kInverseDepth, kPoint, kFixed };
-
-  struct FilterLandmark {
-    LandmarkForm form = LandmarkForm::kInverseDepth;
-    BlockId block = 0;        // where in_state()
-    BlockId anchor_pose = 0;  // block of the past pose, where anchored()
-    Anchor anchor = {};
-    Bearing first = {};          // while it waits
-    double inverse_depth = 0.0;  // while it waits: where to look for it
-    MapPoint fixed = {};         // of a saved map
-
-    bool anchored() const { return form == LandmarkForm::kWaiting || form == LandmarkForm::kInverseDepth; }
-    bool in_state() const { return form == LandmarkForm::kInverseDepth || form == LandmarkForm::kPoint; }
-  };
-
   SlipWatch::Verdict watch_wheels(std::span<const LinearMeasurement> measurements, const Eigen::MatrixXd& covariance);
-  void admit_slip();
-  void admit_grip();
-  std::optional<Projection> project(const Camera& camera, const FilterLandmark& landmark,
-                                    const BodyPose& row_shift) const;
-  std::optional<Prediction> predict(const Camera& camera, const FilterLandmark& landmark,
-                                    const BodyPose& row_shift) const;
+  MeasurementModel model() const {
+    return {state_, robot_, motion_parameters_, *motion_, options_.inverse_depth_sigma};
+  }
   std::optional<LinearMeasurement> linearise(const Camera& camera, const Measurement& measurement) const;
-  /// Of the state, of a saved map, or, while it waits, (u, v, rho) of its first sight.
-  Eigen::Vector3d numbers_of(const FilterLandmark& landmark) const;
-  /// The part of a derivative by the logarithm of the lever scale, where that is a number of the state.
-  template <int Rows>
-  std::optional<JacobianPart<Rows>> lever_part(const Eigen::Matrix<double, Rows, 1>& wrt_lever_scale) const;
   void correct(const Camera& camera, std::span<const Measurement> measurements, UpdateReport& report);
+  /// The bearing as noisy as the motion model wants it taken.
+  Bearing with_margin(Bearing bearing) const;
   bool starts_delayed() const;
   bool pair_up(const Camera& camera, const Measurement& measurement);
   std::vector<bool> which_depths_count(std::span<const Measurement> measurements,
@@ -189,11 +153,10 @@ class Ekf {
   bool depth_is_known(const FilterLandmark& landmark) const;
   void ignore_parallax(LinearMeasurement& linear) const;
   void learn_depth(const Camera& camera, const Measurement& measurement);
-  std::optional<double> typical_inverse_depth(const Camera& camera, std::span<const Measurement> measurements,
-                                              std::span<const std::size_t> accepted) const;
-  BlockId append_inverse_depth(const Bearing& bearing);
-  PastPose& past_pose_now(common::Nanoseconds stamp);
-  PastPose& past_pose_of(BlockId block);
+  /// The inverse depths of the accepted landmarks whose depth is known.
+  std::vector<double> known_inverse_depths(const Camera& camera, std::span<const Measurement> measurements,
+                                           std::span<const std::size_t> accepted) const;
+  DepthGuess guessed_depth() const;
   void remove_blocks(std::vector<BlockId> blocks);
 
   FilterOptions options_;
@@ -202,12 +165,10 @@ class Ekf {
   BlockId robot_;
   BlockId motion_parameters_;
   std::map<LandmarkId, FilterLandmark> landmarks_;
-  std::vector<PastPose> past_poses_;             // by rising stamp
-  bool moved_ = true;                            // since the newest past pose was taken
+  PastPoses past_poses_;
   std::optional<double> typical_inverse_depth_;  // of what the last image saw; empty when too little is known
   SlipWatch wheels_;
-  Eigen::VectorXd grip_mean_;        // of the motion model's numbers before the wheels slipped
-  Eigen::MatrixXd grip_covariance_;  // the same
+  SlipAdmission slip_admission_;
 };
 
 }  // namespace slamfuse::visual_slam

@@ -13,6 +13,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "common/angle.hpp"
+#include "common/median.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -22,6 +23,7 @@ using common::Nanoseconds;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kGridStep = 0.02;         // [s]
 constexpr double kFineStep = 0.002;        // [s]
+constexpr double kOutOfStep = 0.01;        // [s] of one camera when another one's stamps are wrong
 constexpr std::size_t kFewestTurns = 30;   // pictures to decide by
 constexpr std::size_t kFitInterval = 10;   // pictures from one fit to the next
 constexpr std::size_t kEnoughTurns = 100;  // after so many a clock that is right is not watched any more
@@ -71,13 +73,12 @@ double turn_of(const std::vector<RayPair>& rays, const Eigen::Vector2d& lever, d
   constexpr double kCoarse = 0.002;  // [rad]
   constexpr double kFine = 0.0002;   // [rad]
   std::vector<double> turns;
+  turns.reserve(rays.size());
   for (const RayPair& ray : rays) {
     turns.push_back(
         common::angle_difference(std::atan2(ray.before.y(), ray.before.x()), std::atan2(ray.after.y(), ray.after.x())));
   }
-  const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
-  std::nth_element(turns.begin(), middle, turns.end());
-  double best = *middle;
+  double best = common::median(std::move(turns));
   if (std::abs(distance) < kStands) return best;
   double smallest = kInfinity;
   for (const auto& [reach, step] : {std::pair{kReach, kCoarse}, std::pair{kCoarse, kFine}}) {
@@ -103,7 +104,7 @@ double truncated_mean(std::vector<double>& values) {
 }  // namespace
 
 void ImageClock::add(const common::WheelOdometry& odometry) {
-  if (settled_ || !options_.correct) return;
+  if (!may_change()) return;
   const Nanoseconds memory = common::from_seconds(options_.memory + options_.most_offset);
   while (!places_.empty() && places_.back().stamp >= odometry.stamp) places_.pop_back();
   const double last = places_.empty() ? 0.0 : places_.back().theta;
@@ -183,6 +184,7 @@ std::optional<double> ImageClock::turn_to(const cv::Mat& after, double distance)
     return before.scale * Eigen::Vector2d(static_cast<double>(point.x), static_cast<double>(point.y));
   };
   std::vector<ExpectedFeature> unmoved;
+  unmoved.reserve(corners.size());
   for (const cv::Point2f& corner : corners) unmoved.push_back({0, pixel_at(corner), pixel_at(corner)});
   const double about = search_.find(0, camera_, after, unmoved);
   if (corners.size() < kFewest) return std::nullopt;
@@ -244,14 +246,15 @@ std::optional<ImageClock::Fit> ImageClock::fit() const {
   }
   if (best.turns < kFewestTurns || !(information > 0.0)) return std::nullopt;
   best.sigma = std::sqrt(std::numbers::pi / 2.0) * best.misfit / std::sqrt(information);
-  best.current = misfit(common::to_seconds(correction_));
+  best.current = misfit(common::to_seconds(correction()));
   return best;
 }
 
 std::optional<double> ImageClock::watch(const cv::Mat& picture, Nanoseconds stamp) {
-  if (settled_ || !options_.correct) return std::nullopt;
-  const std::optional<double> turn = turn_to(picture, distance(last_stamp_ + correction_, stamp + correction_));
+  if (!may_change()) return std::nullopt;
+  const std::optional<double> turn = turn_to(picture, distance(last_stamp_ + correction(), stamp + correction()));
   const Nanoseconds from = std::exchange(last_stamp_, stamp);
+  if (stamp < from - kLongestStep) turns_.clear();  // the clock was set
   if (stamp <= from || stamp - from > kLongestStep) return std::nullopt;
   if (turn) turns_.push_back({from, stamp, *turn});
   while (!turns_.empty() && turns_.front().from < stamp - common::from_seconds(options_.memory)) turns_.pop_front();
@@ -259,15 +262,40 @@ std::optional<double> ImageClock::watch(const cv::Mat& picture, Nanoseconds stam
   since_fit_ = 0;
   const auto found = fit();
   if (!found || found->sigma > options_.most_sigma) return std::nullopt;
-  const double change = found->offset - common::to_seconds(correction_);
-  if (std::abs(change) < options_.smallest_offset) {
+  const double change = found->offset - common::to_seconds(correction());
+  if (std::abs(change) < smallest_offset_) {
     settled_ = found->turns >= kEnoughTurns;
     return std::nullopt;
   }
   const bool is_clear = std::abs(change) > kSignificance * found->sigma && found->misfit < kBetter * found->current;
   if (!is_clear) return std::nullopt;
-  correction_ = common::from_seconds(found->offset);
+  found_ = {common::from_seconds(found->offset), std::hypot(found->sigma, kFineStep)};
   return change;
+}
+
+void ImageClock::share(std::vector<ImageClock>& clocks) {
+  constexpr double kAlike = 3.0;  // standard deviations
+  std::vector<Correction> found;
+  for (const ImageClock& clock : clocks) {
+    if (clock.found_) found.push_back(*clock.found_);
+  }
+  for (ImageClock& clock : clocks) {
+    if (!clock.found_) {
+      clock.smallest_offset_ = std::min(clock.smallest_offset_, kOutOfStep);
+      clock.settled_ = clock.settled_ && found.empty();
+      continue;
+    }
+    double sum = 0.0;
+    double weights = 0.0;
+    for (const Correction& other : found) {
+      const double difference = common::to_seconds(other.correction - clock.found_->correction);
+      if (std::abs(difference) > kAlike * std::hypot(clock.found_->sigma, other.sigma)) continue;
+      const double weight = 1.0 / (other.sigma * other.sigma);
+      sum += weight * difference;
+      weights += weight;
+    }
+    clock.found_->correction += common::from_seconds(sum / weights);
+  }
 }
 
 }  // namespace slamfuse::visual_slam

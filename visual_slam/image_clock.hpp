@@ -29,14 +29,21 @@ namespace slamfuse::visual_slam {
 class ImageClock {
  public:
   ImageClock(const ImageClockOptions& options, const TurnSearchOptions& search, const Camera& camera)
-      : options_(options), camera_(camera), search_(search, 1) {}
+      : options_(options), camera_(camera), search_(search, 1), smallest_offset_(options.smallest_offset) {}
 
   void add(const common::WheelOdometry& odometry);
   /// Takes the next picture with its stamp as the camera told it. Returns the change of the correction [s] when it is
   /// changed.
   std::optional<double> watch(const cv::Mat& picture, common::Nanoseconds stamp);
   /// What has to be added to the camera's stamps.
-  common::Nanoseconds correction() const { return correction_; }
+  common::Nanoseconds correction() const { return found_ ? found_->correction : 0; }
+  /// Gives each clock whose correction was found the weighted mean of those that differ from it by less than three
+  /// standard deviations: the cameras of a robot mostly share a clock, and an error all have in common does no harm,
+  /// while cameras that are a few milliseconds out of step with each other make a map of the wrong size. The clocks of
+  /// which none was found are watched more closely from now on, for the same reason.
+  static void share(std::vector<ImageClock>& clocks);
+  /// Whether it looks for another correction, having seen pictures.
+  bool is_watching() const { return may_change() && last_stamp_ != 0; }
 
  private:
   struct Place {
@@ -56,6 +63,10 @@ class ImageClock {
     double current = 0.0;  ///< the misfit of the correction as it is [rad]
     std::size_t turns = 0;
   };
+  struct Correction {
+    common::Nanoseconds correction = 0;
+    double sigma = 0.0;  ///< [s]
+  };
 
   /// A picture as small as it may be: one of its pixels is `scale` wide in the camera's.
   struct Small {
@@ -73,6 +84,7 @@ class ImageClock {
   std::vector<double> misfits(double offset) const;
   double misfit(double offset) const;
   std::optional<Fit> fit() const;
+  bool may_change() const { return options_.correct && !settled_; }
 
   ImageClockOptions options_;
   const Camera& camera_;
@@ -81,7 +93,8 @@ class ImageClock {
   std::deque<Turn> turns_;
   Small last_;
   common::Nanoseconds last_stamp_ = 0;
-  common::Nanoseconds correction_ = 0;
+  std::optional<Correction> found_;
+  double smallest_offset_;  // [s] that is corrected
   std::size_t since_fit_ = 0;
   bool settled_ = false;
 };

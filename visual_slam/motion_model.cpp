@@ -41,11 +41,12 @@ Eigen::Matrix3d exp_se2_jacobian(const Eigen::Vector3d& twist) {
 CalibratedIncrement calibrate_increment(const common::Pose2& measured, const OdometryCalibration& calibration,
                                         const MotionOptions& options) {
   const Eigen::Vector3d raw = common::log_se2(measured);
-  const Eigen::Vector3d twist((1.0 + calibration[0]) * raw.x(), raw.y(),
+  const Eigen::Vector3d twist((1.0 + calibration[0]) * raw.x(), (1.0 + calibration[0]) * raw.y(),
                               (1.0 + calibration[1]) * raw.z() + calibration[2] * raw.x());
   const Eigen::Matrix3d by_twist = exp_se2_jacobian(twist);
   Eigen::Matrix3d twist_by_calibration = Eigen::Matrix3d::Zero();
   twist_by_calibration(0, 0) = raw.x();
+  twist_by_calibration(1, 0) = raw.y();
   twist_by_calibration(2, 1) = raw.z();
   twist_by_calibration(2, 2) = raw.x();
 
@@ -100,6 +101,11 @@ double OdometryMotion::improbability(const State& state, BlockId parameters) con
   const Eigen::Vector3d variances = calibration_covariance(options_).diagonal();
   const Eigen::Vector3d numbers = state.mean(parameters);
   return (variances.array() > 0.0).select(numbers.array().square() / variances.array(), 0.0).sum();
+}
+
+MotionOptions for_cameras(MotionOptions options, std::size_t cameras) {
+  if (cameras > 1) options.bearing_margin = options.bearing_margin_of_several;
+  return options;
 }
 
 std::shared_ptr<const MotionModel> make_motion_model(const MotionOptions& options) {

@@ -66,6 +66,9 @@ class MotionModel {
   virtual double improbability(const State&, BlockId) const { return 0.0; }
   /// Whether the model knows metres. Otherwise the landmarks must teach the robot how fast it moves.
   virtual bool is_metric() const = 0;
+  /// How many times as noisy as they are the bearings of one camera are to be taken, to make room for what the
+  /// linearisation gets wrong: with it the covariances are right (README, consistency).
+  virtual double bearing_margin() const { return 1.0; }
   /// How many units of the map a metre is.
   virtual double lever_scale(const State& state, BlockId parameters) const = 0;
   /// Which of the numbers is the logarithm of lever_scale; empty when it is no number but known.
@@ -88,6 +91,7 @@ class OdometryMotion : public MotionModel {
                            const MotionStep& step) const override;
   double improbability(const State& state, BlockId parameters) const override;
   bool is_metric() const override { return true; }
+  double bearing_margin() const override { return options_.bearing_margin; }
   double lever_scale(const State&, BlockId) const override { return 1.0; }
   std::optional<int> lever_scale_index() const override { return std::nullopt; }
   std::optional<BodyTwist> twist(const State&, BlockId) const override { return std::nullopt; }
@@ -95,6 +99,9 @@ class OdometryMotion : public MotionModel {
  private:
   MotionOptions options_;
 };
+
+/// The options for so many cameras: several have their own `bearing_margin`.
+MotionOptions for_cameras(MotionOptions options, std::size_t cameras);
 
 /// The model the options name.
 std::shared_ptr<const MotionModel> make_motion_model(const MotionOptions& options);

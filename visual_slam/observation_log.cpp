@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "visual_slam/observation_log.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "common/angle.hpp"
+#include "visual_slam/projection.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -49,6 +51,29 @@ std::span<const KeptPicture> ObservationLog::pictures(std::size_t camera) const 
   const auto found = cameras_.find(camera);
   if (found == cameras_.end()) return {};
   return found->second.pictures;
+}
+
+bool ObservationLog::has(common::Nanoseconds stamp) const {
+  return std::ranges::any_of(cameras_, [stamp](const auto& camera) {
+    return std::ranges::binary_search(camera.second.pictures, stamp, {}, &KeptPicture::stamp);
+  });
+}
+
+std::vector<common::Keyframe> keyframes_of(const ObservationLog& log, std::span<const Camera> cameras,
+                                           const common::Trajectory3& path, double lever_scale) {
+  std::vector<common::Keyframe> keyframes;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    for (const KeptPicture& picture : log.pictures(i)) {
+      const auto at = std::lower_bound(path.begin(), path.end(), picture.stamp,
+                                       [](const auto& pose, common::Nanoseconds stamp) { return pose.stamp < stamp; });
+      if (at == path.end() || at->stamp != picture.stamp) continue;
+      common::Pose3 T_map_camera;
+      T_map_camera.translation = optical_centre(cameras[i], at->pose, lever_scale);
+      T_map_camera.rotation = at->pose.rotation * cameras[i].calibration.T_base_camera.rotation;
+      keyframes.push_back({cameras[i].name, picture.stamp, T_map_camera, picture.observations});
+    }
+  }
+  return keyframes;
 }
 
 }  // namespace slamfuse::visual_slam

@@ -10,6 +10,8 @@
 #include "common/keyframe.hpp"
 #include "common/pose2.hpp"
 #include "common/time.hpp"
+#include "common/trajectory.hpp"
+#include "visual_slam/camera.hpp"
 #include "visual_slam/camera_tracks.hpp"
 #include "visual_slam/options.hpp"
 
@@ -38,6 +40,8 @@ class ObservationLog {
   void clear() { cameras_.clear(); }
   /// The pictures kept of a camera, by rising stamp.
   std::span<const KeptPicture> pictures(std::size_t camera) const;
+  /// Whether a picture of that stamp is kept, of whichever camera.
+  bool has(common::Nanoseconds stamp) const;
 
  private:
   struct CameraPictures {
@@ -48,5 +52,10 @@ class ObservationLog {
   MapOptions options_;
   std::map<std::size_t, CameraPictures> cameras_;
 };
+
+/// The pictures kept, by camera and then by time, with the cameras' poses on `path`, whose stamps never step back;
+/// without those at whose stamp the path has no pose. `lever_scale` is how many units of the map a metre is.
+std::vector<common::Keyframe> keyframes_of(const ObservationLog& log, std::span<const Camera> cameras,
+                                           const common::Trajectory3& path, double lever_scale);
 
 }  // namespace slamfuse::visual_slam

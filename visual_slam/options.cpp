@@ -52,6 +52,12 @@ void MotionOptions::describe(OptionVisitor& visit) {
              "Random error of the heading from driving.");
   visit.real("turn_noise_per_turn", turn_noise_per_turn, {0.0, 90.0}, "deg/sqrt(360 deg)",
              "Random error of the heading from turning.");
+  visit.real(
+      "bearing_margin", bearing_margin, {1.0, 10.0}, "",
+      "With one camera and wheel odometry bearings are taken for so many times as noisy as filter.pixel_sigma says, "
+      "which makes room for what the linearisation of depths gets wrong.");
+  visit.real("bearing_margin_of_several", bearing_margin_of_several, {1.0, 10.0}, "",
+             "The same with several cameras, which tell depths at once.");
   visit.real("slip", slip, {0.0, 1.0}, "",
              "By which share of the way and of the turn the wheels slip when they slip (standard deviation); what the "
              "camera sees says when. 0: they never slip.");
@@ -170,7 +176,8 @@ void FilterOptions::describe(OptionVisitor& visit) {
   visit.real("known_depth", known_depth, {0.0, 10.0}, "",
              "Relative uncertainty of the inverse depth above which parallax only teaches the landmark its depth.");
   visit.real("linearity_index", linearity_index, {0.0, 1.0}, "",
-             "A landmark becomes Cartesian when its index of linearity falls below this.");
+             "A landmark becomes Cartesian when its index of linearity falls below this, times motion.bearing_margin "
+             "where there is one.");
   visit.choice("initialisation", initialisation,
                {{"inverse_depth", InitialisationKind::kInverseDepth},
                 {"well_conditioned_pair", InitialisationKind::kWellConditionedPair}},
@@ -219,7 +226,10 @@ void ImageClockOptions::describe(OptionVisitor& visit) {
              "A smaller offset is let be: the fusion finds what is left from the paths.");
   visit.real("most_sigma", most_sigma, {0.0001, 1.0}, "s",
              "An offset is believed only when its standard deviation is below this.");
-  visit.real("memory", memory, {1.0, 3600.0}, "s", "Turns older than this are forgotten.");
+  visit.real("memory", memory, {1.0, 3600.0}, "s", "Turns and odometry older than this are forgotten.");
+  visit.real("kept_images", kept_images, {0.0, 10000.0}, "MB",
+             "The latest images of all cameras, as many as fit into this, are kept until the stamps are known to be "
+             "right; when they are not, the map is made anew from these images.");
 }
 
 void VisualSlamOptions::describe(OptionVisitor& visit) {

@@ -50,6 +50,8 @@ struct MotionOptions {
   double lateral_noise = 0.005;          ///< [m / sqrt(m)]
   double turn_noise_per_distance = 0.6;  ///< [deg / sqrt(m)]
   double turn_noise_per_turn = 3.0;      ///< [deg / sqrt(360 deg)]
+  double bearing_margin = 1.25;
+  double bearing_margin_of_several = 1.0;
   double slip = 0.2;
   bool calibrate = true;
   double distance_scale_sigma = 0.02;
@@ -209,6 +211,7 @@ struct ImageClockOptions {
   double smallest_offset = 0.03;  ///< [s]
   double most_sigma = 0.008;      ///< [s]
   double memory = 60.0;           ///< [s]
+  double kept_images = 64.0;      ///< [MB]
 
   void describe(common::OptionVisitor& visit);
 };

@@ -10,21 +10,20 @@
 #include <opencv2/core.hpp>
 
 #include "common/angle.hpp"
-#include "common/odometry_buffer.hpp"
+#include "visual_slam/camera_clocks.hpp"
 #include "visual_slam/camera_tracks.hpp"
+#include "visual_slam/dead_reckoning.hpp"
 #include "visual_slam/ekf.hpp"
+#include "visual_slam/estimate_judge.hpp"
 #include "visual_slam/feature_selection.hpp"
-#include "visual_slam/front_end.hpp"
-#include "visual_slam/image_clock.hpp"
+#include "visual_slam/feature_supply.hpp"
 #include "visual_slam/image_sampler.hpp"
 #include "visual_slam/landmark_book.hpp"
-#include "visual_slam/loop_search.hpp"
+#include "visual_slam/map_search.hpp"
 #include "visual_slam/observation_log.hpp"
 #include "visual_slam/path_recorder.hpp"
-#include "visual_slam/place_search.hpp"
-#include "visual_slam/tracking_monitor.hpp"
-#include "visual_slam/trust_chain.hpp"
-#include "visual_slam/turn_search.hpp"
+#include "visual_slam/picture.hpp"
+#include "visual_slam/saved_map.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -33,11 +32,7 @@ using common::Nanoseconds;
 using common::Pose2;
 using common::Pose3;
 
-constexpr Nanoseconds kTwistInterval = 50'000'000;                              // over which the speed is taken
-constexpr Nanoseconds kLoopEventInterval = 10 * common::kNanosecondsPerSecond;  // one event a visit, not one an image
-constexpr double kCarriedAway = 16.3;  // squared standard deviations, by which one pose in 1000 misses by chance
-constexpr double kUnknown = 100.0;     // [m], [rad] standard deviation of a pose nothing is known of
-constexpr double kRefillShare = 0.15;  // new features are looked for when so many of the wanted are missing
+constexpr double kUnknown = 100.0;  // [m], [rad] standard deviation of a pose nothing is known of
 
 std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
   std::set<LandmarkId> result;
@@ -45,64 +40,61 @@ std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
   return result;
 }
 
-/// Whether the picture shows anything: at most half of it is black or white to the last step or two. Features at the
-/// edges of what is saturated move with the light.
-bool is_exposed(const cv::Mat& picture) {
-  constexpr double kDark = 2.0, kBright = 253.0;  // [gray]
-  cv::Mat inside;
-  cv::inRange(picture, cv::Scalar(kDark), cv::Scalar(kBright), inside);
-  return 2 * cv::countNonZero(inside) >= picture.rows * picture.cols;
-}
-
 }  // namespace
 
 class VisualSlam::Implementation {
  public:
   Implementation(const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
-                 std::uint64_t seed, FeatureSelection selection)
-      : options_(options),
-        selection_(std::move(selection)),
-        front_end_(make_front_end(options.front_end, cameras.size())),
-        turn_search_(options.turn_search, cameras.size()),
+                 std::uint64_t seed, std::size_t most_kept, FeatureSelection selection)
+      : options_(for_cameras(options, cameras.size())),
+        cameras_(tracks_of(cameras)),
+        clocks_(options.image_clock, options.turn_search, cameras_),
+        features_(options, std::move(selection), cameras.size()),
         book_(options),
-        search_(options.relocalisation, seed),
-        loop_search_(options.loop, options.relocalisation, seed),
-        monitor_(options.tracking),
+        search_(options, seed),
+        judge_(options),
         observations_(options.map),
-        trust_(options.tracking.min_inliers),
-        filter_(options.filter, options.motion) {
-    for (const auto& [name, calibration] : cameras) cameras_.emplace_back(Camera(name, calibration));
-    for (const CameraTracks& seeing : cameras_)
-      clocks_.emplace_back(options.image_clock, options.turn_search, seeing.camera);
-  }
+        filter_(options_.filter, options_.motion),
+        path_(most_kept),
+        reckoning_(options) {}
 
   bool wants(const common::SensorMessage& message) const {
     if (const auto* image = std::get_if<common::Image>(&message)) return camera_index(image->sensor).has_value();
-    return has_odometry() && std::holds_alternative<common::WheelOdometry>(message);
+    return reckoning_.by_wheels() && std::holds_alternative<common::WheelOdometry>(message);
   }
 
   common::ProcessResult process(const common::SensorMessage& message) {
     if (const auto* odometry = std::get_if<common::WheelOdometry>(&message)) {
-      odometry_.add(*odometry);
-      for (ImageClock& clock : clocks_) clock.add(*odometry);
+      reckoning_.add(*odometry);
+      clocks_.add(*odometry);
     }
-    if (const auto* image = std::get_if<common::Image>(&message)) return process_image(by_odometry_clock(*image));
-    return {};
+    common::ProcessResult result;
+    if (const auto* image = std::get_if<common::Image>(&message)) {
+      result = process_image(by_odometry_clock(*image));
+      withhold_past(result.estimate);
+    }
+    return result;
   }
 
   void execute(const common::Command& command) {
+    clocks_.forget_kept();
     if (const auto* set = std::get_if<common::SetPose>(&command)) set_pose(*set);
-    if (std::holds_alternative<common::Reset>(command)) reset();
+    if (std::holds_alternative<common::Reset>(command)) {
+      continued_map_.clear();
+      reset();
+    }
     if (std::holds_alternative<common::Relocalise>(command)) relocalise();
   }
 
   /// Whether a pose can be found in the whole map.
-  bool can_search() const { return options_.relocalisation.enabled && filter_.is_planar(); }
+  bool can_search() const { return search_.is_possible(filter_); }
 
   void load(const std::vector<common::Landmark>& map, MapUse use) {
     localising_ = false;
-    if (newest_) reset();
+    clocks_.forget_kept();
+    if (newest_ || epoch_ > 0) reset();
     take_map(map, use);
+    continued_map_ = use == MapUse::kContinue && reckoning_.by_wheels() ? map : std::vector<common::Landmark>();
   }
 
   common::Trajectory3 spatial_trajectory() const { return path_.path(filter_); }
@@ -110,26 +102,24 @@ class VisualSlam::Implementation {
   std::vector<common::Landmark> landmarks() const { return book_.landmarks(filter_); }
 
   std::vector<common::Keyframe> keyframes() const {
-    const common::Trajectory3 path = spatial_trajectory();  // its stamps never step back
-    std::vector<common::Keyframe> keyframes;
-    for (std::size_t i = 0; i < cameras_.size(); ++i) {
-      const Camera& camera = cameras_[i].camera;
-      for (const KeptPicture& picture : observations_.pictures(i)) {
-        const auto at = std::lower_bound(path.begin(), path.end(), picture.stamp,
-                                         [](const auto& pose, Nanoseconds stamp) { return pose.stamp < stamp; });
-        common::Pose3 T_map_camera;
-        T_map_camera.translation = optical_centre(camera, at->pose, filter_.lever_scale());
-        T_map_camera.rotation = at->pose.rotation * camera.calibration.T_base_camera.rotation;
-        keyframes.push_back({camera.name, picture.stamp, T_map_camera, picture.observations});
-      }
-    }
-    return keyframes;
+    std::vector<Camera> cameras;
+    for (const CameraTracks& seeing : cameras_) cameras.push_back(seeing.camera);
+    return keyframes_of(observations_, cameras, spatial_trajectory(), filter_.lever_scale());
   }
 
   std::vector<common::AnnotatedImage> sample_images() const { return sampler_.images(); }
 
  private:
-  bool has_odometry() const { return options_.motion.model == MotionModelKind::kOdometry; }
+  static VisualSlamOptions for_cameras(VisualSlamOptions options, std::size_t cameras) {
+    options.motion = visual_slam::for_cameras(options.motion, cameras);
+    return options;
+  }
+
+  static std::vector<CameraTracks> tracks_of(const std::map<std::string, common::CameraCalibration>& cameras) {
+    std::vector<CameraTracks> tracks;
+    for (const auto& [name, calibration] : cameras) tracks.emplace_back(Camera(name, calibration));
+    return tracks;
+  }
 
   std::optional<std::size_t> camera_index(const std::string& name) const {
     for (std::size_t i = 0; i < cameras_.size(); ++i) {
@@ -138,30 +128,54 @@ class VisualSlam::Implementation {
     return std::nullopt;
   }
 
-  static bool has_size_of(const common::CameraCalibration& calibration, const common::Image& image) {
-    return image.width == calibration.width && image.height == calibration.height && image.pixels &&
-           image.pixels->size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  }
-
   /// The image with its stamp as its camera's clock is believed to be off the wheel odometry's. When that changes the
-  /// map is of no use, as it was made with odometry of other times.
+  /// map, made with odometry of other times, is of no use, and is made anew from the images kept.
   common::Image by_odometry_clock(common::Image image) {
     const std::optional<std::size_t> index = camera_index(image.sensor);
-    if (!index || !has_odometry() || !has_size_of(cameras_[*index].camera.calibration, image)) return image;
-    ImageClock& clock = clocks_[*index];
-    if (clock.watch(picture_of(image), image.stamp)) {
-      waiting_events_.push_back(event(
-          "clock_offset", fmt::format("stamps of {} are moved by {:+.1f} ms, where the turns in its pictures fit the "
-                                      "wheel odometry's; the map begins anew",
-                                      image.sensor, 1e3 * common::to_seconds(clock.correction()))));
-      reset();
+    if (!index || !reckoning_.by_wheels() || !has_size_of(cameras_[*index].camera.calibration, image)) return image;
+    const std::vector<std::size_t> changed = clocks_.watch(*index, image);
+    for (const std::size_t camera : changed) {
+      waiting_events_.push_back(
+          event("clock_offset",
+                fmt::format("stamps of {} are moved by {:+.1f} ms, where the turns in its pictures fit the "
+                            "wheel odometry's; the map is made anew",
+                            cameras_[camera].camera.name, 1e3 * common::to_seconds(clocks_.correction(camera)))));
     }
-    image.stamp += clock.correction();
+    if (!changed.empty()) remake_map();
+    clocks_.keep(image);
+    if (!clocks_.may_change()) continued_map_.clear();
+    image.stamp += clocks_.correction(*index);
     return image;
   }
 
-  static cv::Mat picture_of(const common::Image& image) {
-    return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels->data())};
+  /// From the images that were kept, by the stamps as they are believed now. What is estimated on the way goes into the
+  /// path only, its events nowhere: they are of times past.
+  void remake_map() {
+    reset();
+    if (!continued_map_.empty()) take_map(continued_map_, MapUse::kContinue);
+    const std::vector<common::Image> kept = clocks_.kept();
+    if (kept.empty()) return;
+    path_.forget_since(clocks_.first_kept());
+    sampler_ = {};
+    newest_.reset();
+    for (CameraTracks& camera : cameras_) camera.restart();
+    const std::vector<common::Event> events = std::exchange(waiting_events_, {});
+    for (const common::Image& image : kept) process_image(image);
+    waiting_events_ = events;
+  }
+
+  /// Stamps that were corrected backwards come a second time: what is estimated until they are new is not told. A step
+  /// back by more than a correction can be is the clock's own, and from there on all is new.
+  void withhold_past(std::optional<common::PoseEstimate>& estimate) {
+    if (!estimate) return;
+    const Nanoseconds largest_step = common::from_seconds(2.0 * options_.image_clock.most_offset);
+    const Nanoseconds back = newest_told_ ? *newest_told_ - estimate->stamp : 0;
+    if (back > 0 && back <= largest_step) {
+      waiting_events_ = std::move(estimate->events);
+      estimate.reset();
+    } else {
+      newest_told_ = estimate->stamp;
+    }
   }
 
   void take_map(const std::vector<common::Landmark>& map, MapUse use) {
@@ -189,7 +203,7 @@ class VisualSlam::Implementation {
     if (newest_ && image.stamp < *newest_) {
       return fmt::format("stamp {} of {} is before the newest estimate, {}", image.stamp, image.sensor, *newest_);
     }
-    if (has_odometry() && !odometry_.pose_at(image.stamp)) {
+    if (!reckoning_.reaches(image.stamp)) {
       return fmt::format("no wheel odometry at stamp {}: the planar filter needs it", image.stamp);
     }
     return std::nullopt;
@@ -200,68 +214,39 @@ class VisualSlam::Implementation {
     if (std::optional<std::string> reason = refuse(image)) return {.estimate = {}, .rejected = std::move(reason)};
     CameraTracks& seeing = cameras_[*camera_index(image.sensor)];
     const cv::Mat picture = picture_of(image);
-    predict(image.stamp);
-    seeing.newest = image.stamp;
+    reckoning_.predict(filter_, newest_, image.stamp);
+    newest_ = seeing.newest = image.stamp;
     std::vector<common::Event> events;
     ImageEvidence evidence;
-    if (seeing.is_frozen(image, odometry_pose_)) {
+    if (seeing.is_frozen(image, reckoning_.pose())) {
       judge(evidence, events);
       return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
     }
     const bool exposed = is_exposed(picture);
     std::vector<Track> seen = exposed ? follow(seeing, picture, evidence) : std::vector<Track>{};
     UpdateReport report;
-    if (!has_odometry()) report = update(seeing, seen, report);
+    if (!reckoning_.by_wheels()) report = update(seeing, seen, report);
     const std::size_t followed = seen.size();
-    if (exposed && !pose_doubted_) {
-      const std::vector<Track> recognised =
-          book_.recognise(filter_, seeing.camera, twist_, picture, numbers(seen), map_may_grow());
-      seen.insert(seen.end(), recognised.begin(), recognised.end());
-      const int missing = options_.front_end.features_per_image - static_cast<int>(seen.size());
-      if ((map_may_grow() || placed_) && missing >= kRefillShare * options_.front_end.features_per_image) {
-        const std::vector<Track> recalled = book_.recall(filter_, seeing.camera, twist_, picture, missing);
-        seen.insert(seen.end(), recalled.begin(), recalled.end());
-      }
-    }
+    if (exposed && !search_.pose_is_doubted()) recognise(seeing, picture, seen);
     report = update(seeing, seen, report);
     account(seeing, seen, report, events);
     if (!localising_) {
       book_.learn_looks(filter_, seeing.camera, picture, seeing.tracks);
-      if (!pose_doubted_) keep_pose(image.stamp);
+      if (!search_.pose_is_doubted()) keep_pose(image.stamp);
     }
     evidence.inliers = report.inliers;
     evidence.textured = exposed && has_texture(seeing, evidence.inliers);
-    evidence.doubted = has_odometry() && doubts(seeing, report, events);
+    evidence.doubted = judge_.doubts(filter_, book_, seeing.tracks, report, *newest_, events);
     judge(evidence, events);
     if (exposed) {
       search_map(seeing, picture);
       close_loop(seeing, picture, events);
     }
     const std::size_t known = seeing.tracks.size();
-    if (exposed && !localising_ && map_may_grow()) add_features(seeing, picture);
+    if (exposed && !localising_ && judge_.map_may_grow()) add_features(seeing, picture);
     remember(seeing, image, seen, report, followed, known);
     if (!localising_) limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
-  }
-
-  void predict(Nanoseconds stamp) {
-    if (has_odometry()) {
-      predict_by_odometry(stamp);
-    } else {
-      if (newest_) filter_.predict({common::to_seconds(stamp - *newest_), {}});
-      twist_ = *filter_.twist();
-      odometry_pose_ = filter_.pose();
-    }
-    newest_ = stamp;
-  }
-
-  void predict_by_odometry(Nanoseconds stamp) {
-    const Pose2 now = *odometry_.pose_at(stamp);
-    if (newest_) filter_.predict({common::to_seconds(stamp - *newest_), odometry_pose_.inverse() * now});
-    const std::optional<Pose2> before = odometry_.pose_at(stamp - kTwistInterval);
-    twist_ =
-        before ? BodyTwist(common::log_se2(before->inverse() * now) / common::to_seconds(kTwistInterval)) : BodyTwist();
-    odometry_pose_ = now;
   }
 
   /// The features of the camera's previous picture that are found again in this one.
@@ -273,20 +258,18 @@ class VisualSlam::Implementation {
       expected.push_back({track.landmark, track.pixel, *pixel});
       if (book_.was_found_again(track.landmark)) ++evidence.expected;
     }
-    if (!has_odometry()) turn_predictions(seeing, picture, expected);
-    std::vector<Track> seen;
-    for (const FoundFeature& found : front_end_->follow(index_of(seeing), picture, expected)) {
-      seen.push_back({found.id, found.pixel});
-    }
-    return seen;
+    return features_.follow(index_of(seeing), seeing.camera, picture, std::move(expected));
   }
 
-  /// Moves the predicted pixels to where a turn nobody told of has taken them.
-  void turn_predictions(const CameraTracks& seeing, const cv::Mat& picture, std::vector<ExpectedFeature>& expected) {
-    const double turn = turn_search_.find(index_of(seeing), seeing.camera, picture, expected);
-    for (ExpectedFeature& feature : expected) {
-      feature.predicted = turned_pixel(seeing.camera, feature.predicted, turn).value_or(feature.predicted);
-    }
+  /// Adds what is recognised in the picture, of the filter and, where it lacks features, of those that have left it.
+  void recognise(const CameraTracks& seeing, const cv::Mat& picture, std::vector<Track>& seen) {
+    const std::vector<Track> recognised =
+        book_.recognise(filter_, seeing.camera, reckoning_.twist(), picture, numbers(seen), judge_.map_may_grow());
+    seen.insert(seen.end(), recognised.begin(), recognised.end());
+    if (!judge_.map_may_grow() && !search_.was_placed()) return;
+    const int missing = features_.missing(seen.size());
+    const std::vector<Track> recalled = book_.recall(filter_, seeing.camera, reckoning_.twist(), picture, missing);
+    seen.insert(seen.end(), recalled.begin(), recalled.end());
   }
 
   std::size_t index_of(const CameraTracks& seeing) const { return static_cast<std::size_t>(&seeing - cameras_.data()); }
@@ -297,10 +280,10 @@ class VisualSlam::Implementation {
     std::vector<Measurement> measurements;
     for (const Track& track : std::span(seen).subspan(done)) {
       measurements.push_back(
-          {track.landmark, make_bearing(seeing.camera, track.pixel, options_.filter.pixel_sigma, twist_)});
+          {track.landmark, make_bearing(seeing.camera, track.pixel, options_.filter.pixel_sigma, reckoning_.twist())});
     }
     UpdateReport report = filter_.update(seeing.camera, measurements);
-    if (!has_odometry()) twist_ = *filter_.twist();
+    reckoning_.corrected(filter_);
     if (done == 0) return report;
     report.accepted.insert(report.accepted.begin(), so_far.accepted.begin(), so_far.accepted.end());
     const int inliers = report.inliers + so_far.inliers;
@@ -325,12 +308,7 @@ class VisualSlam::Implementation {
       accepted.push_back(seen[i].landmark);
       seeing.tracks.push_back(seen[i]);
     }
-    if (back_after_long >= options_.recognition.loop_landmarks &&
-        (!last_loop_ || *newest_ - *last_loop_ > kLoopEventInterval)) {
-      last_loop_ = *newest_;
-      events.push_back(event("loop_closed", fmt::format("{} landmarks recognised after more than {} s", back_after_long,
-                                                        options_.recognition.loop_absence)));
-    }
+    judge_.tell_loop(back_after_long, *newest_, events);
     std::set<LandmarkId> useless;
     for (const LandmarkId id : filter_.convert(seeing.camera, accepted)) useless.insert(id);
     for (const Track& track : before) {
@@ -357,90 +335,56 @@ class VisualSlam::Implementation {
     }
   }
 
-  /// Whether the estimate may be wrong though the features fit: the odometry contradicts the camera, or has done so and
-  /// what is seen does not hang together with the map from before.
-  bool doubts(const CameraTracks& seeing, const UpdateReport& report, std::vector<common::Event>& events) {
-    if (report.wheels == SlipWatch::Verdict::kSlip) {
-      events.push_back(event("wheel_slip", "the camera does not see what the wheel odometry says"));
-    }
-    if (report.wheels == SlipWatch::Verdict::kGrip) events.push_back(event("wheel_grip", "they agree again"));
-    std::vector<LandmarkId> known;
-    for (const Track& track : seeing.tracks) {
-      if (filter_.is_cartesian(track.landmark)) known.push_back(track.landmark);
-    }
-    const bool doubtful = filter_.odometry_is_doubtful();
-    if (doubtful) trust_.begin(book_.known(filter_));
-    if (trust_.see(known) && !doubtful) trust_.end();
-    return trust_.is_watching();
-  }
-
   /// Whether the image shows enough that could be followed.
   bool has_texture(const CameraTracks& seeing, int inliers) {
     const int enough = options_.tracking.min_inliers;
-    return inliers >= enough ||
-           static_cast<int>(front_end_->detect(index_of(seeing), {}, enough, cv::Mat()).size()) >= enough;
+    return inliers >= enough || static_cast<int>(features_.any(index_of(seeing), enough).size()) >= enough;
   }
 
-  /// Whether the camera still knows where it is.
   void judge(const ImageEvidence& evidence, std::vector<common::Event>& events) {
-    const common::TrackingState before = monitor_.state();
-    const common::TrackingState now = monitor_.update(*newest_, evidence);
-    const std::string figures = fmt::format("{} features accepted of {} expected", evidence.inliers, evidence.expected);
-    if (now == common::TrackingState::kLost && before != now) {
-      events.push_back(event("lost", figures));
-      placed_ = false;
-    }
-    if (before == common::TrackingState::kLost && now == common::TrackingState::kTracking) {
-      events.push_back(event("relocalised", figures));
-    }
+    if (judge_.judge(*newest_, evidence, events)) search_.lose();
   }
 
-  /// Whether what is seen may be entered at the estimated pose. Without wheel odometry there is nothing that an image
-  /// could contradict: features lost in a quick turn are replaced as long as the constant motion bridges the gap.
-  bool map_may_grow() const {
-    return has_odometry() ? monitor_.map_may_grow() : monitor_.state() != common::TrackingState::kLost;
+  Glimpse glimpse(const CameraTracks& seeing) const {
+    return {*newest_, reckoning_.pose(), &seeing.camera, reckoning_.twist(), filter_.lever_scale()};
+  }
+
+  /// Any features of the picture seen last, for those who ask.
+  MapSearch::Features features_of(const CameraTracks& seeing) {
+    return [this, index = index_of(seeing)](int wanted) { return features_.any(index, wanted); };
   }
 
   /// Looks for the pose in the whole map while it is lost or what is seen contradicts it. What is found counts when the
   /// next image agrees: until then the state stays as it is.
   void search_map(const CameraTracks& seeing, const cv::Mat& picture) {
-    if (map_may_grow() && monitor_.state() != common::TrackingState::kLost) {
+    if (judge_.map_may_grow() && !judge_.is_lost()) {
       search_.end();
       return;
     }
     if (!can_search()) return;
-    const std::vector<Eigen::Vector2d> features =
-        front_end_->detect(index_of(seeing), {}, options_.relocalisation.features, cv::Mat());
-    const Glimpse glimpse{*newest_, odometry_pose_, &seeing.camera, twist_, filter_.lever_scale()};
-    if (const auto found = search_.look([this] { return landmarks(); }, glimpse, picture, features)) {
-      if (pose_doubted_ || filter_.distance_to(found->pose, found->covariance) > kCarriedAway) {
-        path_.restart_since(search_.since());
-        place(found->pose, found->covariance);
-      } else {
-        filter_.correct_pose(found->pose, found->covariance);
-      }
-      pose_doubted_ = false;
-      placed_ = true;
+    const auto found = search_.find_place(
+        filter_, [this] { return landmarks(); }, glimpse(seeing), picture, features_of(seeing));
+    if (!found) return;
+    if (found->elsewhere) {
+      path_.restart_since(found->since);
+      place(found->place.pose, found->place.covariance);
+    } else {
+      filter_.correct_pose(found->place.pose, found->place.covariance);
     }
   }
 
   /// Corrects the pose, and with it the map, by an old part of the map that is seen from where it should not be.
   void close_loop(const CameraTracks& seeing, const cv::Mat& picture, std::vector<common::Event>& events) {
     if (!can_search() || localising_) return;
-    if (monitor_.state() != common::TrackingState::kTracking) {
-      loop_search_.clear();
+    if (!judge_.is_tracking()) {
+      search_.interrupt_loops();
       return;
     }
-    if (!loop_search_.is_due(*newest_)) return;
-    const std::vector<Eigen::Vector2d> features =
-        front_end_->detect(index_of(seeing), {}, options_.relocalisation.features, cv::Mat());
-    const Glimpse glimpse{*newest_, odometry_pose_, &seeing.camera, twist_, filter_.lever_scale()};
     const auto old_map = [this](Nanoseconds stamp) { return book_.unseen_since(filter_, stamp); };
-    const auto found = loop_search_.look(old_map, glimpse, filter_.pose(), picture, features);
-    if (!found || filter_.distance_to(found->pose, found->covariance) < kCarriedAway) return;
+    const auto found = search_.find_loop(filter_, old_map, glimpse(seeing), picture, features_of(seeing));
+    if (!found) return;
     const Pose2 drift = filter_.pose().inverse() * found->pose;
     filter_.correct_pose(found->pose, found->covariance);
-    loop_search_.clear();
     events.push_back(event(
         "loop_closed", fmt::format("{} old landmarks say the pose drifted by {:.2f} m and {:.1f} deg", found->landmarks,
                                    drift.translation().norm(), common::to_degrees(drift.theta))));
@@ -459,13 +403,12 @@ class VisualSlam::Implementation {
   /// Nothing is known of the pose: it is lost until found in the whole map, or set.
   void doubt_pose() {
     place(filter_.pose(), kUnknown * kUnknown * Eigen::Matrix3d::Identity());
-    monitor_.lose();
-    pose_doubted_ = true;
-    search_.end();
+    judge_.lose();
+    search_.doubt_pose();
   }
 
   void keep_pose(Nanoseconds stamp) {
-    const Pose3 here = has_odometry() ? common::to_pose3(odometry_pose_) : filter_.spatial_pose();
+    const Pose3 here = reckoning_.by_wheels() ? common::to_pose3(reckoning_.pose()) : filter_.spatial_pose();
     const Pose3 since = last_keyframe_ ? last_keyframe_->inverse() * here : Pose3{};
     if (!last_keyframe_ || since.translation.norm() > options_.map.keyframe_distance ||
         Eigen::AngleAxisd(since.rotation).angle() > common::to_radians(options_.map.keyframe_turn)) {
@@ -476,21 +419,10 @@ class VisualSlam::Implementation {
   }
 
   void add_features(CameraTracks& seeing, const cv::Mat& picture) {
-    const int missing = options_.front_end.features_per_image - static_cast<int>(seeing.tracks.size());
-    if (missing < kRefillShare * options_.front_end.features_per_image) return;
-    std::vector<Eigen::Vector2d> taken;
-    for (const Track& track : seeing.tracks) taken.push_back(track.pixel);
-    const SelectedRegion region = selection_.select(picture);
-    std::vector<Eigen::Vector2d> found = front_end_->detect(index_of(seeing), taken, missing, region.mask);
-    if (const int few = options_.selection.least_features - static_cast<int>(taken.size() + found.size());
-        few > 0 && !region.mask.empty()) {
-      taken.insert(taken.end(), found.begin(), found.end());
-      const std::vector<Eigen::Vector2d> more = front_end_->detect(index_of(seeing), taken, few, cv::Mat());
-      found.insert(found.end(), more.begin(), more.end());
-    }
-    for (const Eigen::Vector2d& pixel : found) {
-      const LandmarkId id = book_.enter(picture, pixel, *newest_, region.object_at(pixel));
-      filter_.add_landmark(id, seeing.camera, make_bearing(seeing.camera, pixel, options_.filter.pixel_sigma, twist_),
+    for (const auto& [pixel, object] : features_.refill(index_of(seeing), picture, seeing.tracks)) {
+      const LandmarkId id = book_.enter(picture, pixel, *newest_, object);
+      filter_.add_landmark(id, seeing.camera,
+                           make_bearing(seeing.camera, pixel, options_.filter.pixel_sigma, reckoning_.twist()),
                            *newest_);
       seeing.tracks.push_back({id, pixel});
     }
@@ -500,11 +432,9 @@ class VisualSlam::Implementation {
   /// before, the others were recognised; the tracks from `known` on are new.
   void remember(const CameraTracks& seeing, const common::Image& image, const std::vector<Track>& seen,
                 const UpdateReport& report, std::size_t followed, std::size_t known) {
-    if (monitor_.state() == common::TrackingState::kTracking) {
-      observations_.offer(index_of(seeing), image.stamp, odometry_pose_, seeing.tracks);
-    }
+    if (judge_.is_tracking()) observations_.offer(index_of(seeing), image.stamp, reckoning_.pose(), seeing.tracks);
     if (!sampler_.wants(image.sensor, image.stamp)) return;
-    common::AnnotatedImage sample{image, monitor_.state(), {}};
+    common::AnnotatedImage sample{image, judge_.state(), {}};
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const common::FeatureOutcome good =
           i < followed ? common::FeatureOutcome::kFollowed : common::FeatureOutcome::kRecognised;
@@ -525,7 +455,7 @@ class VisualSlam::Implementation {
   }
 
   common::Event event(std::string kind, std::string detail) const {
-    return {.stamp = newest_.value_or(0), .module = "visual", .kind = std::move(kind), .detail = std::move(detail)};
+    return visual_event(newest_.value_or(0), std::move(kind), std::move(detail));
   }
 
   common::PoseEstimate estimate(const std::vector<Track>& seen, const UpdateReport& report,
@@ -536,7 +466,7 @@ class VisualSlam::Implementation {
     result.map_epoch = epoch_;
     result.pose = filter_.pose();
     result.covariance = filter_.pose_covariance();
-    result.state = monitor_.state();
+    result.state = judge_.state();
     result.health.tracked_features = static_cast<int>(seen.size());
     result.health.inliers = report.inliers;
     if (report.inliers > 0) result.health.innovation = report.mean_nis;
@@ -546,10 +476,10 @@ class VisualSlam::Implementation {
     }
     waiting_events_.clear();
     result.events = std::move(events);
-    if (!has_odometry()) odometry_pose_ = result.pose;
-    const Pose3 believed = filter_.spatial_pose();
+    reckoning_.estimated(filter_);
     const bool lost = result.state == common::TrackingState::kLost;
-    path_.add(*newest_, has_odometry() ? common::to_pose3(odometry_pose_) : believed, believed, lost);
+    path_.add(*newest_, reckoning_.by_wheels() ? common::to_pose3(reckoning_.pose()) : filter_.spatial_pose(), lost,
+              filter_, observations_);
     if (localising_ && !lost) path_.freeze(filter_);
     return result;
   }
@@ -557,16 +487,15 @@ class VisualSlam::Implementation {
   void set_pose(const common::SetPose& command) {
     path_.start_segment();
     place(command.pose, command.covariance);
-    monitor_.pose_was_set();
-    pose_doubted_ = false;
-    search_.end();
+    judge_.pose_was_set();
+    search_.pose_was_set();
   }
 
   void place(const Pose2& pose, const Eigen::Matrix3d& covariance) {
     forget(filter_.set_pose(pose, covariance));
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
-    trust_.end();
+    judge_.moved_elsewhere();
   }
 
   /// A map to localise in is the user's and stays.
@@ -576,50 +505,40 @@ class VisualSlam::Implementation {
     filter_ = Ekf(options_.filter, options_.motion);
     book_.clear();
     observations_.clear();
-    search_.end();
-    loop_search_.clear();
-    pose_doubted_ = false;
+    search_.clear();
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
-    last_loop_.reset();
-    trust_.end();
-    monitor_ = TrackingMonitor(options_.tracking);
+    judge_.clear();
     ++epoch_;
     waiting_events_.push_back(event("map_reset", fmt::format("epoch {} begins", epoch_)));
     if (localising_) take_map(map, MapUse::kLocalise);
   }
 
   VisualSlamOptions options_;
-  FeatureSelection selection_;
-  std::vector<CameraTracks> cameras_;  // fixed once built: the filter keeps pointers to the cameras
-  std::vector<ImageClock> clocks_;     // as cameras_
-  std::unique_ptr<FrontEnd> front_end_;
-  TurnSearch turn_search_;  // without wheel odometry
+  std::vector<CameraTracks> cameras_;  // fixed once built: filter and clocks keep pointers to the cameras
+  CameraClocks clocks_;
+  FeatureSupply features_;
   LandmarkBook book_;
-  PlaceSearch search_;
-  LoopSearch loop_search_;
-  bool localising_ = false;    // in a saved map, which stays as it is
-  bool placed_ = false;        // the pose was found in the whole map since it was lost
-  bool pose_doubted_ = false;  // nothing is known of the pose: features are not looked for near it
-  TrackingMonitor monitor_;
+  MapSearch search_;
+  bool localising_ = false;  // in a saved map, which stays as it is
+  EstimateJudge judge_;
   ObservationLog observations_;
   ImageSampler sampler_;
-  TrustChain trust_;
   Ekf filter_;
   PathRecorder path_;
-  common::OdometryBuffer odometry_;
+  DeadReckoning reckoning_;
   std::uint32_t epoch_ = 0;
-  std::optional<Nanoseconds> newest_;  // stamp of the newest estimate
-  Pose2 odometry_pose_;                // T_odom_base there
-  BodyTwist twist_;
+  std::optional<Nanoseconds> newest_;       // stamp of the newest estimate
+  std::optional<Nanoseconds> newest_told_;  // of those that left the module
+  std::vector<common::Landmark>
+      continued_map_;                   // the saved map that is continued, while it may have to be loaded again
   std::optional<Pose3> last_keyframe_;  // by the odometry
-  std::optional<Nanoseconds> last_loop_;
   std::vector<common::Event> waiting_events_;
 };
 
 common::Result<std::unique_ptr<VisualSlam>> VisualSlam::create(
     const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
-    std::uint64_t seed, int threads) {
+    std::uint64_t seed, int threads, std::size_t most_kept) {
   if (cameras.empty()) return common::invalid_input("visual SLAM: no camera");
   for (const auto& [name, calibration] : cameras) {
     if (calibration.width <= 0 || calibration.height <= 0 || !(calibration.fx > 0.0) || !(calibration.fy > 0.0)) {
@@ -639,7 +558,7 @@ common::Result<std::unique_ptr<VisualSlam>> VisualSlam::create(
   common::Result<FeatureSelection> selection = FeatureSelection::create(options.selection);
   if (!selection) return tl::unexpected(selection.error());
   return std::unique_ptr<VisualSlam>(
-      new VisualSlam(std::make_unique<Implementation>(options, cameras, seed, std::move(*selection))));
+      new VisualSlam(std::make_unique<Implementation>(options, cameras, seed, most_kept, std::move(*selection))));
 }
 
 bool VisualSlam::can_search() const { return implementation_->can_search(); }
@@ -649,21 +568,7 @@ common::Result<void> VisualSlam::load(const std::vector<common::Landmark>& map, 
     return common::invalid_input(
         "visual map: a free camera, and visual.relocalisation.enabled: false, cannot be found in a saved map");
   }
-  std::set<std::int64_t> numbers;
-  bool recognisable = false;
-  for (const common::Landmark& landmark : map) {
-    if (!landmark.position.allFinite() || !landmark.covariance.allFinite()) {
-      return common::invalid_input(fmt::format("visual map: landmark {} has a place that is no number", landmark.id));
-    }
-    if (!numbers.insert(landmark.id).second) {
-      return common::invalid_input(fmt::format("visual map: two landmarks have the number {}", landmark.id));
-    }
-    if (!landmark.views.empty()) recognisable = true;
-  }
-  if (!recognisable) {
-    return common::invalid_input(
-        fmt::format("visual map: none of its {} landmarks has a view it could be recognised by; map anew", map.size()));
-  }
+  if (common::Result<void> usable = check_saved_map(map); !usable) return usable;
   implementation_->load(map, use);
   return {};
 }

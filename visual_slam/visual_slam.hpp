@@ -13,6 +13,7 @@
 #include "common/keyframe.hpp"
 #include "common/landmark.hpp"
 #include "common/slam_module.hpp"
+#include "common/thinned_history.hpp"
 #include "visual_slam/options.hpp"
 
 namespace slamfuse::visual_slam {
@@ -29,15 +30,18 @@ enum class MapUse {
 /// and the landmarks.
 ///
 /// The map frame is base_link at the first image. Estimates of a free camera are the part of its pose in the plane.
-/// Each accepted image makes one estimate, at the image's own stamp.
+/// Each accepted image makes one estimate at its own stamp, moved by what the camera's clock is believed to be off
+/// (ImageClock). Where that changes the map is made anew (map_reset), and of images that come a second time by their
+/// new stamps nothing is told until they are newer than what was.
 class VisualSlam : public common::SlamModule {
  public:
   /// `cameras` are the ones to listen to, by sensor name. `threads` only speeds up the work, the result does not depend
-  /// on it. Errors (kInvalidInput): no camera, a calibration without size or focal length, a feature
-  /// selection by known objects without usable pictures of them.
+  /// on it. Of the path at most `most_kept` poses are kept, thinned beyond (see common::ThinnedHistory); those of
+  /// keyframes and remembered pictures stay. Errors (kInvalidInput): no camera, a calibration without size or focal
+  /// length, a feature selection by known objects without usable pictures of them.
   static common::Result<std::unique_ptr<VisualSlam>> create(
       const VisualSlamOptions& options, const std::map<std::string, common::CameraCalibration>& cameras,
-      std::uint64_t seed, int threads);
+      std::uint64_t seed, int threads, std::size_t most_kept = common::kKeepAll);
   ~VisualSlam() override;
 
   common::PoseSource source() const override { return common::PoseSource::kVisual; }

@@ -39,13 +39,14 @@ struct Outcome {
 /// The demo recording's left camera (or both), damaged for some seconds.
 class BadInput : public ::testing::Test {
  protected:
-  static Outcome run(Damage damage, double seconds, const std::vector<std::string>& names = {"cam0"}) {
+  static Outcome run(Damage damage, double seconds, const std::vector<std::string>& names = {"cam0"},
+                     double begin = kFrom) {
     const auto folder = std::filesystem::path(SLAMFUSE_DATA_DIR) / "flat";
     auto recording = common::open_recording(folder);
     const auto truth = common::read_ground_truth(folder);
     if (!recording || !truth) throw std::runtime_error("the demo recording cannot be read");
     const common::Nanoseconds start = (*recording)->info().first_stamp;
-    const common::Nanoseconds from = start + common::from_seconds(kFrom);
+    const common::Nanoseconds from = start + common::from_seconds(begin);
     const common::Nanoseconds to = from + common::from_seconds(seconds);
     std::map<std::string, common::CameraCalibration> cameras;
     for (const auto& name : names) cameras.emplace(name, (*recording)->info().calibration.cameras.at(name));
@@ -151,6 +152,14 @@ TEST_F(BadInput, WheelsThatSlip) {
     EXPECT_EQ(outcome.count(TrackingState::kLost), 0);
     EXPECT_LT(outcome.after.back().position, 2.0 * testing::kMaxPosition);
   }
+}
+
+// From 40 s on the robot turns by 0.1 deg in 5 s.
+TEST_F(BadInput, WheelsThatSlipOnAStraightWay) {
+  const Outcome outcome = run(Damage::kWheelSlip, 5.0, {"cam0", "cam1"}, 40.0);
+  expect_sound(outcome);
+  EXPECT_GT(2 * outcome.count(TrackingState::kUncertain), static_cast<int>(outcome.during.size()));
+  EXPECT_EQ(outcome.count(TrackingState::kLost), 0);
 }
 
 // One camera alone bends map and odometry to agree with a wrong focal length; see visual_slam/README.md.

@@ -84,6 +84,18 @@ TEST_F(ImageClockTest, SaysNothingWithoutATurn) {
   EXPECT_EQ(drive(clock, 15.0, 0.3), 0.0);
 }
 
+TEST_F(ImageClockTest, ClocksThatAreAlikeAreOne) {
+  std::vector<ImageClock> clocks(4, ImageClock({}, {}, camera_));
+  const std::vector<double> offsets = {0.2, 0.204, 0.0, -0.3};
+  for (std::size_t i = 0; i < clocks.size(); ++i) drive(clocks[i], 18.0, offsets[i]);
+  const common::Nanoseconds alone = clocks[3].correction();
+  ImageClock::share(clocks);
+  EXPECT_EQ(clocks[0].correction(), clocks[1].correction());
+  EXPECT_NEAR(common::to_seconds(clocks[0].correction()), -0.202, 0.01);
+  EXPECT_EQ(clocks[2].correction(), 0) << "its stamps were never wrong";
+  EXPECT_EQ(clocks[3].correction(), alone);
+}
+
 TEST_F(ImageClockTest, CanBeSwitchedOff) {
   ImageClockOptions options;
   options.correct = false;

@@ -78,5 +78,13 @@ TEST(MotionModel, PredictionMovesOnlyTheRobotAndGrowsItsCovariance) {
   EXPECT_LT((state.covariance() - state.covariance().transpose()).norm(), 1e-15);
 }
 
+TEST(MotionModel, SeveralCamerasHaveTheirOwnMarginOfBearings) {
+  MotionOptions options;
+  options.bearing_margin = 1.5;
+  options.bearing_margin_of_several = 1.1;
+  EXPECT_EQ(OdometryMotion(for_cameras(options, 1)).bearing_margin(), 1.5);
+  EXPECT_EQ(OdometryMotion(for_cameras(options, 2)).bearing_margin(), 1.1);
+}
+
 }  // namespace
 }  // namespace slamfuse::visual_slam

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "visual_slam/path_recorder.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace slamfuse::visual_slam {
@@ -23,7 +25,7 @@ class PathRecorderTest : public ::testing::Test {
     }
   }
   void add(bool lost) {
-    path_.add(now_ * kNanosecondsPerSecond, common::to_pose3(odometry_), filter_.spatial_pose(), lost);
+    path_.add(now_ * kNanosecondsPerSecond, common::to_pose3(odometry_), lost, filter_, pictures_);
   }
   void place(const Pose2& pose) { filter_.set_pose(pose, 1e-4 * Eigen::Matrix3d::Identity()); }
 
@@ -35,7 +37,8 @@ class PathRecorderTest : public ::testing::Test {
   }
 
   Ekf filter_{FilterOptions{}, MotionOptions{}};
-  PathRecorder path_;
+  ObservationLog pictures_{MapOptions{}};
+  PathRecorder path_{common::kKeepAll};
   Pose2 odometry_;
   common::Nanoseconds now_ = 0;
 };
@@ -50,6 +53,16 @@ TEST_F(PathRecorderTest, HasEveryPoseOfANormalDrive) {
   for (const auto& pose : path) {
     EXPECT_NEAR(pose.pose.translation.x(), static_cast<double>(pose.stamp) / kNanosecondsPerSecond, 1e-6);
   }
+}
+
+TEST_F(PathRecorderTest, ForgetsWhatIsEstimatedAgain) {
+  drive(3, false, true);
+  path_.freeze(filter_);
+  drive(2, false, true);
+  path_.forget_since(2 * kNanosecondsPerSecond);
+  EXPECT_EQ(seconds(), (std::vector<long>{1}));
+  drive(1, false, true);
+  EXPECT_EQ(seconds(), (std::vector<long>{1, 6}));
 }
 
 TEST_F(PathRecorderTest, BridgesALossBetweenKeyframesThatHangTogether) {
@@ -85,6 +98,54 @@ TEST_F(PathRecorderTest, WhatIsFrozenStays) {
   const auto path = path_.path(filter_);
   EXPECT_EQ(seconds(), (std::vector<long>{1, 2, 4}));
   EXPECT_NEAR(path[1].pose.translation.x(), 2.0, 1e-6);
+}
+
+TEST_F(PathRecorderTest, InBoundedMemoryWhatKeyframesAndPicturesHangOnStays) {
+  constexpr std::size_t kMost = 100;
+  path_ = PathRecorder(kMost);
+  const std::vector<Track> seen{{0, {100.0, 100.0}}};
+  for (int i = 0; i < 20; ++i) {
+    drive(1, false, true);
+    drive(20, false, false);
+    pictures_.offer(0, now_ * kNanosecondsPerSecond, odometry_, seen);
+    drive(79, false, false);
+  }
+  const auto path = path_.path(filter_);
+  EXPECT_LE(path.size(), kMost + 40);
+  const std::vector<long> kept = seconds();
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(std::ranges::binary_search(kept, 100 * i + 1)) << i;
+    EXPECT_TRUE(std::ranges::binary_search(kept, 100 * i + 21)) << i;
+  }
+  int in_whole_blocks = 0;  // two seconds that begin with an even one
+  for (const long second : kept) {
+    in_whole_blocks += second % 2 == 0 && std::ranges::binary_search(kept, second + 1) ? 2 : 0;
+  }
+  EXPECT_GE(in_whole_blocks, 40);
+  for (const auto& pose : path) EXPECT_NEAR(pose.pose.translation.x(), common::to_seconds(pose.stamp), 1e-6);
+}
+
+TEST_F(PathRecorderTest, WhatIsFrozenIsThinnedAndStays) {
+  constexpr std::size_t kMost = 50;
+  path_ = PathRecorder(kMost);
+  for (int i = 0; i < 500; ++i) {
+    drive(1, false, false);
+    path_.freeze(filter_);
+  }
+  const common::Nanoseconds moved = now_ * kNanosecondsPerSecond;
+  place({1000.0, 5.0, 0.0});
+  drive(20, false, true);
+  path_.restart_since(moved + 10 * kNanosecondsPerSecond);
+  path_.forget_since(moved + 15 * kNanosecondsPerSecond);
+  drive(1, false, true);
+
+  const auto path = path_.path(filter_);
+  EXPECT_LE(path.size(), kMost + 21);
+  EXPECT_GE(path.size(), kMost / 2);
+  for (const auto& pose : path) {
+    const double x = common::to_seconds(pose.stamp);
+    EXPECT_NEAR(pose.pose.translation.x(), pose.stamp <= moved ? x : 1000.0 + x - 500.0, 1e-6) << x;
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <span>
 
@@ -313,12 +314,13 @@ TEST_F(VisualSlamTest, SetPoseMovesTheEstimateAndResetStartsANewEpoch) {
 TEST_F(VisualSlamTest, TheMapStaysWithinItsLimit) {
   VisualSlamOptions options;
   options.map.max_landmarks = 60;
+  options.map.max_archived = 10;
   auto slam = VisualSlam::create(options, *cameras_, 1, 1);
   ASSERT_TRUE(slam);
 
   run(**slam, *messages_);
 
-  EXPECT_LE((*slam)->landmarks().size(), 120U);  // those in view are never dropped: 60 an image, two cameras
+  EXPECT_LE((*slam)->landmarks().size(), 130U);  // those in view are never dropped: 60 an image, two cameras
 }
 
 /// With SIFT or ORB features.
@@ -373,6 +375,98 @@ TEST(VisualSlamCreate, RefusesToStartWithoutUsableCameras) {
   const auto no_size = VisualSlam::create({}, {{"cam0", {}}}, 1, 1);
   ASSERT_FALSE(no_size);
   EXPECT_NE(no_size.error().message.find("cam0"), std::string::npos);
+}
+
+/// What a drive with wrong stamps gives; arrival stays as it was.
+class WrongStampsTest : public VisualSlamTest {
+ protected:
+  /// `reset_at` [s] from the start, if any.
+  void drive(VisualSlam& slam, double offset, std::optional<double> reset_at = {}) {
+    const common::Nanoseconds start = common::stamp_of(long_messages_->front());
+    for (common::SensorMessage message : *long_messages_) {
+      if (reset_at && common::stamp_of(message) > start + common::from_seconds(*reset_at)) {
+        slam.execute(common::Reset{});
+        reset_at.reset();
+      }
+      if (auto* image = std::get_if<common::Image>(&message)) image->stamp += common::from_seconds(offset);
+      const auto result = slam.process(message);
+      if (!result.estimate) continue;
+      told_.push_back(result.estimate->stamp);
+      for (const auto& event : result.estimate->events) corrections_ += event.kind == "clock_offset" ? 1 : 0;
+    }
+    EXPECT_TRUE(std::is_sorted(told_.begin(), told_.end()));
+    EXPECT_GE(corrections_, 2) << "of both cameras";
+    const common::Trajectory2 path = slam.final_trajectory();
+    EXPECT_TRUE(std::is_sorted(path.begin(), path.end(),
+                               [](const auto& before, const auto& after) { return before.stamp < after.stamp; }));
+  }
+  static double error(const common::Trajectory2& path) {
+    const auto truth = common::read_ground_truth(std::filesystem::path(SLAMFUSE_DATA_DIR) / "flat");
+    const auto accuracy = common::evaluate_trajectory(path, *truth, {});
+    return accuracy ? accuracy->ate_rmse_m : std::numeric_limits<double>::infinity();
+  }
+
+  std::vector<common::Nanoseconds> told_;
+  int corrections_ = 0;
+};
+
+TEST_F(WrongStampsTest, TheMapIsMadeAnewFromTheBeginning) {
+  for (const double offset : {0.2, -0.2}) {
+    told_.clear();
+    const auto slam = make();
+    drive(*slam, offset);
+    const common::Trajectory2 path = slam->final_trajectory();
+    ASSERT_FALSE(path.empty());
+    EXPECT_LT(path.front().stamp, common::stamp_of(long_messages_->front()) + common::from_seconds(0.5));
+    EXPECT_LT(error(path), 0.04) << offset;
+  }
+}
+
+TEST_F(WrongStampsTest, OfOneCameraAloneAreFoundToo) {
+  std::map<std::string, common::CameraCalibration> one = {*cameras_->begin()};
+  const auto slam = *VisualSlam::create({}, one, 1, 1);
+  corrections_ = 1;  // there is no other camera to be corrected
+  drive(*slam, 0.2);
+  EXPECT_LT(error(slam->final_trajectory()), 0.06);
+}
+
+TEST_F(WrongStampsTest, ImagesFromBeforeAResetAreNotUsedAgain) {
+  const auto slam = make();
+  drive(*slam, 0.2, 4.0);
+  const common::Trajectory2 path = slam->final_trajectory();
+  EXPECT_LT(path.front().stamp, common::stamp_of(long_messages_->front()) + common::from_seconds(0.5))
+      << "the path from before it stays";
+  const common::Nanoseconds reset_at = common::stamp_of(long_messages_->front()) + common::from_seconds(4.5);
+  common::Trajectory2 since;
+  std::copy_if(path.begin(), path.end(), std::back_inserter(since),
+               [&](const auto& pose) { return pose.stamp > reset_at; });
+  EXPECT_LT(error(since), 0.04);
+  EXPECT_LT(since.front().pose.translation().norm(), 0.3) << "its map begins there";
+}
+
+TEST_F(WrongStampsTest, AMapThatIsContinuedIsNotLost) {
+  const auto before = make();
+  for (const common::SensorMessage& message : *long_messages_) before->process(message);
+  const std::vector<common::Landmark> map = before->landmarks();
+  ASSERT_GT(map.size(), 50u);
+  const auto slam = make();
+  ASSERT_TRUE(slam->load(map, MapUse::kContinue));
+  drive(*slam, 0.2);
+  const std::vector<common::Landmark> continued = slam->landmarks();
+  const auto is_old = [&map](const common::Landmark& landmark) {
+    return std::any_of(map.begin(), map.end(), [&landmark](const common::Landmark& old) {
+      return old.id == landmark.id && (old.position - landmark.position).norm() < 0.2;
+    });
+  };
+  EXPECT_GT(2 * std::count_if(continued.begin(), continued.end(), is_old), static_cast<std::ptrdiff_t>(map.size()));
+}
+
+TEST_F(WrongStampsTest, WithoutImagesKeptTheMapBeginsWithTheNext) {
+  VisualSlamOptions options;
+  options.image_clock.kept_images = 0.0;
+  const auto slam = *VisualSlam::create(options, *cameras_, 1, 1);
+  drive(*slam, 0.2);
+  EXPECT_FALSE(slam->landmarks().empty());
 }
 
 }  // namespace
