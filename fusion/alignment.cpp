@@ -12,6 +12,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "common/angle.hpp"
+#include "common/median.hpp"
 #include "fusion/heldout_split.hpp"
 #include "fusion/robust_fit.hpp"
 #include "fusion/robust_statistics.hpp"
@@ -46,6 +47,11 @@ MethodFit to_method_fit(const RobustFit& robust) {
   return result;
 }
 
+RobustModel model_of(AlignmentMethod method) {
+  if (method == AlignmentMethod::kRigid) return RobustModel::kRigid;
+  return method == AlignmentMethod::kAffine ? RobustModel::kAffine : RobustModel::kSimilarity;
+}
+
 std::optional<MethodFit> fit(const std::vector<PosePair>& pairs, AlignmentMethod method,
                              const AlignmentOptions& options) {
   const double separation = to_radians(options.runner_up_separation);
@@ -59,8 +65,7 @@ std::optional<MethodFit> fit(const std::vector<PosePair>& pairs, AlignmentMethod
     result.essential_report = seed->essential_report;
     return result;
   }
-  const RobustModel model = method == AlignmentMethod::kAffine ? RobustModel::kAffine : RobustModel::kSimilarity;
-  const auto robust = fit_robust(pairs, model, options.robust, separation);
+  const auto robust = fit_robust(pairs, model_of(method), options.robust, separation);
   if (!robust) return std::nullopt;
   return to_method_fit(*robust);
 }
@@ -145,11 +150,21 @@ void measure_headings(const std::vector<PosePair>& pairs, const std::vector<bool
   if (turns.empty()) return;
   const double mean = std::atan2(sum.y(), sum.x());
   for (double& turn : turns) turn = angle_difference(turn, mean);
-  const double offset = median(turns);
+  const double offset = common::median(turns);
   double square = 0.0;
   for (const double turn : turns) square += (turn - offset) * (turn - offset);
   alignment.heading_offset = common::normalize_angle(mean + offset);
   alignment.heading_rmse = std::sqrt(square / static_cast<double>(turns.size()));
+}
+
+/// Standard deviation of the mean scale, the root of the determinant; NaN where the map has no covariance.
+double scale_sigma(const Alignment& alignment) {
+  const Eigen::Matrix2d& a = alignment.map.linear;
+  const double determinant = a.determinant();
+  if (determinant == 0.0 || alignment.covariance.isZero(0.0)) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::RowVector4d derivative = Eigen::RowVector4d(a(1, 1), -a(1, 0), -a(0, 1), a(0, 0)) *
+                                        std::copysign(0.5, determinant) / std::sqrt(std::abs(determinant));
+  return std::sqrt(std::max(0.0, (derivative * alignment.covariance.topLeftCorner<4, 4>()).dot(derivative)));
 }
 
 Alignment evaluate_method(const JudgedPairs& judged, AlignmentMethod method, const AlignmentOptions& options) {
@@ -176,6 +191,7 @@ Alignment evaluate_method(const JudgedPairs& judged, AlignmentMethod method, con
   alignment.scale = parts.scale;
   alignment.scale_along_laser_axes = parts.scale_along_target_axes;
   alignment.mean_scale = parts.mean_scale;
+  alignment.scale_sigma = scale_sigma(alignment);
   alignment.rotation_deg = to_degrees(parts.rotation);
   measure_headings(pairs, trusted, alignment);
 
@@ -189,12 +205,37 @@ Alignment evaluate_method(const JudgedPairs& judged, AlignmentMethod method, con
   return alignment;
 }
 
-Alignment evaluate(const JudgedPairs& judged, double straightness_ratio, const AlignmentOptions& options) {
+/// How far the last quarter of the pairs is off under a fit to those before, as the poses to come will be. Of all of
+/// them, outliers or not: a path that begins to bend is one; by the median, so that some may be outliers.
+double forward_error(const JudgedPairs& judged, const Alignment& alignment, const AlignmentOptions& options) {
+  const auto known = static_cast<std::ptrdiff_t>(judged.pairs.size() * 3 / 4);
+  const auto training = fit({judged.pairs.begin(), judged.pairs.begin() + known}, alignment.method, options);
+  if (!training) return alignment.heldout_rmse;
+  constexpr double kRmsOverMedian = 1.2011;  // of Rayleigh's distribution
+  std::vector<double> distances;
+  for (auto pair = judged.pairs.begin() + known; pair != judged.pairs.end(); ++pair) {
+    distances.push_back((pair->laser.translation() - training->mapping.planar() * pair->visual.translation()).norm());
+  }
+  return kRmsOverMedian * common::median(std::move(distances));
+}
+
+/// Whether the scales of a map are what drift makes of 1.
+bool keeps_scale(const Alignment& alignment, const AlignmentOptions& options) {
+  const double sigma = std::sqrt(alignment.covariance.topLeftCorner<4, 4>().diagonal().maxCoeff());
+  const double allowed = options.scale_tolerance + 3.0 * sigma;
+  return (alignment.scale - Eigen::Vector2d::Ones()).cwiseAbs().maxCoeff() < allowed;
+}
+
+Alignment evaluate(const JudgedPairs& judged, double straightness_ratio, const AlignmentOptions& options,
+                   VisualScale scale) {
   if (options.method != AlignmentMethod::kAuto) return evaluate_method(judged, options.method, options);
-  Alignment similarity = evaluate_method(judged, AlignmentMethod::kSimilarity, options);
-  if (straightness_ratio < options.affine_straightness_ratio) return similarity;
-  Alignment affine = evaluate_method(judged, AlignmentMethod::kAffine, options);
-  return affine.heldout_rmse < options.affine_gain * similarity.heldout_rmse ? affine : similarity;
+  Alignment scaled = evaluate_method(judged, AlignmentMethod::kSimilarity, options);
+  if (straightness_ratio >= options.affine_straightness_ratio) {
+    Alignment affine = evaluate_method(judged, AlignmentMethod::kAffine, options);
+    if (affine.heldout_rmse < options.affine_gain * scaled.heldout_rmse) scaled = std::move(affine);
+  }
+  const bool rigid = scale == VisualScale::kMetric && keeps_scale(scaled, options);
+  return rigid ? evaluate_method(judged, AlignmentMethod::kRigid, options) : scaled;
 }
 
 /// Why the alignment must not be used; empty when nothing speaks against it.
@@ -258,7 +299,7 @@ std::vector<PosePair> pairs_of(const common::Trajectory2& laser, const common::T
 }
 
 Alignment align_as_told(const common::Trajectory2& laser, const common::Trajectory2& visual,
-                        const AlignmentOptions& options, const Offsets& offsets) {
+                        const AlignmentOptions& options, VisualScale scale, const Offsets& offsets) {
   Alignment nothing;
   nothing.method = options.method;
   nothing.clock_offset = offsets.clock_offset;
@@ -290,15 +331,16 @@ Alignment align_as_told(const common::Trajectory2& laser, const common::Trajecto
   const JudgedPairs judged = judge_pairs(std::move(pairs), options);
   const Spread spread = spread_of(judged.pairs, judged.trusted);
   const double straightness_ratio = spread.wide > 0.0 ? spread.narrow / spread.wide : 0.0;
-  Alignment best = evaluate(judged, straightness_ratio, options);
+  Alignment best = evaluate(judged, straightness_ratio, options, scale);
   best.straightness_ratio = straightness_ratio;
   best.clock_offset = offsets.clock_offset;
   best.lever_arm = offsets.lever_arm;
+  best.forward_rmse = forward_error(judged, best, options);
   const std::string against = objection(best, spread, options);
   if (!against.empty()) return refuse(best, against);
   best.accepted = true;
-  best.reason =
-      fmt::format("{} of {} pairs agree, {:.3f} m rmse on held-out pairs", best.inliers, best.pairs, best.heldout_rmse);
+  best.reason = fmt::format("{} of {} pairs agree, {:.3f} m rmse on held-out pairs, {:.3f} m on the last quarter",
+                            best.inliers, best.pairs, best.heldout_rmse, best.forward_rmse);
   return best;
 }
 
@@ -318,8 +360,8 @@ common::Pose2 Alignment::to_visual(const common::Pose2& laser) const {
 }
 
 Alignment align_trajectories(const common::Trajectory2& laser, const common::Trajectory2& visual,
-                             const AlignmentOptions& options) {
-  Alignment plain = align_as_told(laser, visual, options, {});
+                             const AlignmentOptions& options, VisualScale scale) {
+  Alignment plain = align_as_told(laser, visual, options, scale, {});
   // Seed 004 knows of no offsets.
   const bool of_the_paper = options.method == AlignmentMethod::kSeed004;
   if (!plain.accepted || !options.offsets.estimate || of_the_paper) return plain;
@@ -328,7 +370,7 @@ Alignment align_trajectories(const common::Trajectory2& laser, const common::Tra
   if (!plain.offsets) return plain;
   const auto clear = significant(*plain.offsets, options.offsets);
   if (!clear) return plain;
-  Alignment better = align_as_told(laser, visual, options, {clear->clock_offset, clear->lever_arm});
+  Alignment better = align_as_told(laser, visual, options, scale, {clear->clock_offset, clear->lever_arm});
   if (!better.accepted || better.heldout_rmse >= options.offset_gain * plain.heldout_rmse) return plain;
   better.offsets = plain.offsets;
   return better;
@@ -341,7 +383,7 @@ double typical_error(const common::Trajectory2& laser, const common::Trajectory2
   for (const PosePair& pair : pairs_of(laser, visual, offsets, options.pairing)) {
     distances.push_back((pair.laser.translation() - alignment.map * pair.visual.translation()).norm());
   }
-  return distances.empty() ? std::numeric_limits<double>::infinity() : median(std::move(distances));
+  return distances.empty() ? std::numeric_limits<double>::infinity() : common::median(std::move(distances));
 }
 
 Eigen::Matrix2d Alignment::position_covariance(const Eigen::Vector2d& visual) const {

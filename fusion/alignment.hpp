@@ -28,6 +28,7 @@ struct Alignment {
   Eigen::Vector2d scale = Eigen::Vector2d::Ones();  ///< laser metres per visual unit along x and y, see AffineParts
   bool scale_along_laser_axes = false;              ///< whose x and y axes: the laser's, else the visual's
   double mean_scale = 1.0;                          ///< for heights
+  double scale_sigma = 0.0;                         ///< standard deviation of mean_scale; NaN without a covariance
   double rotation_deg = 0.0;                        ///< from the visual to the laser map frame
   /// What is added to a visual heading [rad]; the circular median over the pairs. Differs from the rotation where the
   /// two trajectories are of bodies turned against each other.
@@ -43,6 +44,7 @@ struct Alignment {
 
   double rmse = 0.0;          ///< of the inlying pairs' positions [m]
   double heldout_rmse = 0.0;  ///< of the inliers that were held out, under a fit to the others [m]
+  double forward_rmse = 0.0;  ///< of the last quarter of the pairs, under a fit to those before [m], by the median
   double rmse_all = 0.0;      ///< of all pairs, outliers too [m]
   std::size_t pairs = 0;      ///< used: without those in which the robot stood still
   std::size_t inliers = 0;
@@ -59,11 +61,17 @@ struct Alignment {
   common::Pose2 to_visual(const common::Pose2& laser) const;
 };
 
+/// What is known of the scale of a visual trajectory.
+enum class VisualScale {
+  kUnknown,  ///< any, and it may drift
+  kMetric,   ///< metres, as far as wheel odometry tells
+};
+
 /// Aligns two trajectories of the same drive. Pure: same input, options and seed give the same bytes. Trajectories need
 /// not be sorted; a pose that is not finite refuses the alignment. When refused, `reason` says why and the other fields
 /// hold what was found before (for a look, not for use).
 Alignment align_trajectories(const common::Trajectory2& laser, const common::Trajectory2& visual,
-                             const AlignmentOptions& options);
+                             const AlignmentOptions& options, VisualScale scale = VisualScale::kUnknown);
 
 /// Median distance [m] of the paired positions under an alignment: how well it fits a typical pair of these
 /// trajectories, whichever it was made from. Infinite without pairs.

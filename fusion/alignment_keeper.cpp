@@ -15,14 +15,14 @@ bool closed_loop(const common::PoseEstimate& estimate) {
 
 void AlignmentKeeper::add(const common::PoseEstimate& estimate) {
   if (estimate.source == common::PoseSource::kVisual) {
-    visual_.push_back({estimate.stamp, estimate.pose});
+    visual_.push({estimate.stamp, estimate.pose});
     visual_closed_loop_ = visual_closed_loop_ || closed_loop(estimate);
     return;
   }
-  if (!laser_.empty() && !visual_.empty()) {
-    path_ += (estimate.pose.translation() - laser_.back().pose.translation()).norm();
+  if (!laser_.items().empty() && !visual_.items().empty()) {
+    path_ += (estimate.pose.translation() - laser_.items().back().pose.translation()).norm();
   }
-  laser_.push_back({estimate.stamp, estimate.pose});
+  laser_.push({estimate.stamp, estimate.pose});
   laser_closed_loop_ = laser_closed_loop_ || closed_loop(estimate);
 }
 
@@ -37,7 +37,7 @@ void AlignmentKeeper::forget(common::PoseSource source) {
 }
 
 bool AlignmentKeeper::due() const {
-  if (laser_.empty() || visual_.empty()) return false;
+  if (laser_.items().empty() || visual_.items().empty()) return false;
   if (laser_closed_loop_ && visual_closed_loop_) return true;
   return path_ >= (next_path_ > 0.0 ? next_path_ : schedule_.first_path);
 }
@@ -50,13 +50,13 @@ std::optional<Alignment> AlignmentKeeper::update() {
 Alignment AlignmentKeeper::align() {
   next_path_ = std::max(path_, schedule_.first_path) * schedule_.growth;
   laser_closed_loop_ = visual_closed_loop_ = false;
-  Alignment attempt = align_trajectories(laser_, visual_, options_);
+  Alignment attempt = align_trajectories(laser_.items(), visual_.items(), options_, scale_);
   last_ = attempt;
   if (!attempt.accepted) return attempt;
-  if (!accepted_ ||
-      typical_error(laser_, visual_, attempt, options_) < typical_error(laser_, visual_, *accepted_, options_)) {
-    accepted_ = attempt;
-  }
+  const auto error = [this](const Alignment& alignment) {
+    return typical_error(laser_.items(), visual_.items(), alignment, options_);
+  };
+  if (!accepted_ || error(attempt) < error(*accepted_)) accepted_ = attempt;
   return attempt;
 }
 

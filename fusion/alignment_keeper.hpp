@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "common/options.hpp"
 #include "common/pose_estimate.hpp"
+#include "common/thinned_history.hpp"
 #include "common/trajectory.hpp"
 #include "fusion/alignment.hpp"
 
 namespace slamfuse::fusion {
 
 struct AlignmentScheduleOptions {
-  double first_path = 5.0;
+  double first_path = 3.0;
   double growth = 1.25;
 
   void describe(common::OptionVisitor& visit) {
@@ -27,8 +29,10 @@ struct AlignmentScheduleOptions {
 /// use only if the typical pair fits it better.
 class AlignmentKeeper {
  public:
-  AlignmentKeeper(const AlignmentOptions& options, const AlignmentScheduleOptions& schedule)
-      : options_(options), schedule_(schedule) {}
+  /// Of each half at most `most_kept` poses are kept, thinned beyond.
+  AlignmentKeeper(const AlignmentOptions& options, const AlignmentScheduleOptions& schedule, VisualScale scale,
+                  std::size_t most_kept)
+      : options_(options), schedule_(schedule), scale_(scale), laser_(most_kept), visual_(most_kept) {}
 
   /// A pose that may be used (not LOST), and the events that came with it.
   void add(const common::PoseEstimate& estimate);
@@ -58,8 +62,9 @@ class AlignmentKeeper {
 
   AlignmentOptions options_;
   AlignmentScheduleOptions schedule_;
-  common::Trajectory2 laser_;
-  common::Trajectory2 visual_;
+  VisualScale scale_;
+  common::ThinnedHistory<common::StampedPose2> laser_;
+  common::ThinnedHistory<common::StampedPose2> visual_;
   double path_ = 0.0;       ///< of the laser, since the visual half spoke [m]
   double next_path_ = 0.0;  ///< at which the next attempt is due; 0 before the first
   bool laser_closed_loop_ = false;

@@ -7,6 +7,8 @@ std::string to_string(AlignmentMethod method) {
   switch (method) {
     case AlignmentMethod::kSeed004:
       return "seed004";
+    case AlignmentMethod::kRigid:
+      return "rigid";
     case AlignmentMethod::kSimilarity:
       return "similarity";
     case AlignmentMethod::kAffine:

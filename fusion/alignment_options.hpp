@@ -14,9 +14,10 @@ namespace slamfuse::fusion {
 /// How the map between the two trajectories is found.
 enum class AlignmentMethod {
   kSeed004,     ///< the paper's image-like pipeline
+  kRigid,       ///< robust rotation and shift, scale 1
   kSimilarity,  ///< robust rotation, shift and one scale
   kAffine,      ///< robust affine map: a scale per axis
-  kAuto,        ///< similarity, or affine where that has a clearly smaller held-out error
+  kAuto,        ///< rigid where the scale is known, else similarity, or affine where that is clearly better
 };
 
 /// The word for a method in configuration, metrics.json and map.yaml.
@@ -25,6 +26,7 @@ std::string to_string(AlignmentMethod method);
 /// When an alignment is trusted, and how it is made.
 struct AlignmentOptions {
   AlignmentMethod method = AlignmentMethod::kAuto;
+  double scale_tolerance = 0.05;
   double affine_gain = 0.9;
   double affine_straightness_ratio = 0.2;
   int min_pairs = 20;
@@ -45,11 +47,16 @@ struct AlignmentOptions {
   void describe(common::OptionVisitor& visit) {
     visit.choice("method", method,
                  {{"auto", AlignmentMethod::kAuto},
+                  {"rigid", AlignmentMethod::kRigid},
                   {"similarity", AlignmentMethod::kSimilarity},
                   {"affine", AlignmentMethod::kAffine},
                   {"seed004", AlignmentMethod::kSeed004}},
                  "How the map between the frames is found; auto: similarity, or affine where that lowers the "
-                 "held-out error clearly.");
+                 "held-out error clearly, or rigid where their scales say so.");
+    visit.real(
+        "scale_tolerance", scale_tolerance, {0.0, 0.5}, "",
+        "Method auto keeps the scale of metric visual poses at 1 where a fitted one is off 1 by less than this and "
+        "three of its standard deviations: on a short path a scale fits the drift of the halves.");
     visit.real(
         "affine_gain", affine_gain, {0.0, 1.0}, "",
         "Method auto takes the affine map only if its held-out error is below this part of the similarity's: two "

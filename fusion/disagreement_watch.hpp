@@ -9,8 +9,8 @@
 namespace slamfuse::fusion {
 
 struct DisagreementOptions {
-  int poses = 4;
-  double seconds = 0.5;
+  int poses = 3;
+  double seconds = 0.4;
 
   void describe(common::OptionVisitor& visit) {
     visit.integer("poses", poses, {2, 1000}, "", "So many gated poses in a row must agree with each other.");

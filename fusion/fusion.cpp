@@ -11,12 +11,17 @@
 #include <Eigen/Eigenvalues>
 
 #include "common/odometry_buffer.hpp"
+#include "common/thinned_history.hpp"
 #include "fusion/alignment_keeper.hpp"
+#include "fusion/carry_watch.hpp"
 #include "fusion/corrected_pose_filter.hpp"
 #include "fusion/correction_limiter.hpp"
+#include "fusion/credibility.hpp"
 #include "fusion/final_path.hpp"
 #include "fusion/frame_bridge.hpp"
 #include "fusion/measurement_model.hpp"
+#include "fusion/motion_check.hpp"
+#include "fusion/odometry_clock.hpp"
 #include "fusion/source_monitor.hpp"
 #include "fusion/status_log.hpp"
 
@@ -43,22 +48,26 @@ double position_sigma(const Eigen::Matrix3d& covariance) {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position).eigenvalues().maxCoeff());
 }
 
-PoseSource other_half(PoseSource source) {
-  return source == PoseSource::kLaser ? PoseSource::kVisual : PoseSource::kLaser;
+VisualScale scale_of(const FusionOptions& options) {
+  return options.supervision.visual_scale_drifts ? VisualScale::kUnknown : VisualScale::kMetric;
 }
 
 }  // namespace
 
 struct Fusion::State {
-  explicit State(const FusionOptions& given)
+  State(const FusionOptions& given, std::size_t most_kept)
       : options(given),
-        keeper(given.alignment, given.schedule),
-        bridge(given.bend, given.filter.drift),
+        keeper(given.alignment, given.schedule, scale_of(given), most_kept),
         filter(given.filter),
         limiter(given.limit),
         monitors{{PoseSource::kLaser, SourceMonitor(PoseSource::kLaser, given.monitor)},
                  {PoseSource::kVisual, SourceMonitor(PoseSource::kVisual, given.monitor)}},
-        status(common::from_seconds(given.supervision.status_interval)) {}
+        motions{{PoseSource::kLaser, MotionCheck(given.motion, given.filter.drift)},
+                {PoseSource::kVisual, MotionCheck(given.motion, given.filter.drift)}},
+        carry(given.supervision, given.monitor.silent_after),
+        status(common::from_seconds(given.supervision.status_interval)),
+        published(most_kept),
+        received(most_kept) {}
 
   void tell(FusionOutput& output, std::string kind, std::string detail) const {
     output.events.push_back({now, "fusion", std::move(kind), std::move(detail)});
@@ -70,10 +79,16 @@ struct Fusion::State {
   void start_odometry_at(const common::Pose2& T_odom_base);
   /// Takes notice of the epoch. Returns false for poses of an epoch that is over.
   bool accept_epoch(const PoseEstimate& estimate, FusionOutput& output);
+  /// How the halves moved and how their poses fitted was judged in maps or frames that do not hold any more.
+  void forget_fits();
+  /// Nothing is known of the corrected pose any more.
+  void restart_pose();
   /// Whose frame the corrected pose is in, decided as halves speak up.
   void choose_map_frame(const PoseEstimate& estimate, FusionOutput& output);
   /// The estimate in the map frame; nothing while there is no way from its frame to that.
-  std::optional<UncertainPose> in_map_frame(const PoseEstimate& estimate, const common::Pose2& T_odom_base);
+  std::optional<UncertainPose> in_map_frame(const PoseEstimate& estimate);
+  /// From now on; the corrected pose stays where it is.
+  void use_alignment(const std::optional<Alignment>& alignment);
   /// The estimate with its stamp by the laser's clock, as far as the alignment tells.
   PoseEstimate by_laser_clock(PoseEstimate estimate) const;
   /// Lets go of visual poses whose time has come by the laser's clock.
@@ -81,21 +96,19 @@ struct Fusion::State {
   /// Collects it for the alignment (by its own clock) and uses it now, or when odometry has come to its time.
   void take(const PoseEstimate& estimate, FusionOutput& output);
   void use(const PoseEstimate& estimate, FusionOutput& output);
+  /// Takes notice of where the half says it is, and tells whether it does not move as the wheels do although the other
+  /// one does.
+  bool moves_unlike_the_rest(const PoseEstimate& estimate, const common::Pose2& T_odom_base);
+  /// Whether the half was told its pose of late by the other one, which still tracks.
+  bool is_on_probation(PoseSource half) const;
+  /// Odometry has come to `stamp`: times that do not count are taken out of what was said before.
+  void follow_clock(Nanoseconds stamp);
   void align_if_due(FusionOutput& output);
   void report(const Alignment& attempt, FusionOutput& output);
   /// Tells once, and again when it has changed, what lies between the sensors although the configuration says nothing
   /// does.
   void warn_of_offsets(const Alignment& attempt, FusionOutput& output);
-  /// For how long [s] every half that speaks has called itself lost; nothing while one does not, or none speaks.
-  std::optional<double> all_lost_for() const;
-  /// A half speaks; notes the end of a silence of both.
-  void hear(Nanoseconds stamp);
-  /// One half has stopped tracking: until the other one, tracking, confirms the fused pose, nobody vouches for it.
-  void take_doubt(const PoseEstimate& estimate);
-  /// A pose in the map frame was measured and used or not: that settles the doubt, deepens it, or leaves it.
-  void weigh_doubt(const PoseEstimate& estimate, const common::Pose2& measured, bool used);
-  /// Every half says it is lost, or has found itself elsewhere, as after a carry: what was known of the pose is void,
-  /// until one says where it is.
+  /// After a carry what was known of the pose is void, until a half says where it is.
   void give_up_if_carried();
   StatusEntry fused_status() const;
   void command_lost_halves(FusionOutput& output);
@@ -108,31 +121,25 @@ struct Fusion::State {
   FrameBridge bridge;
   CorrectedPoseFilter filter;
   CorrectionLimiter limiter;
-  std::map<PoseSource, SourceMonitor> monitors;
+  Credibility credibility;
+  SourceMonitors monitors;
+  std::map<PoseSource, MotionCheck> motions;
+  CarryWatch carry;
   StatusLog status;
   std::map<PoseSource, std::uint32_t> epochs;
   std::map<PoseSource, Nanoseconds> last_command;
+  std::map<PoseSource, Nanoseconds> probation_since;  ///< when it was told its pose
   std::optional<PoseSource> map_frame;
   std::optional<Nanoseconds> first_visual;
   std::deque<PoseEstimate> waiting;  ///< visual poses from ahead of odometry by the laser's clock
   double warned_clock_offset = 0.0;
   Eigen::Vector2d warned_lever_arm = Eigen::Vector2d::Zero();
-  Nanoseconds now = 0;        ///< where the filter stands
+  Nanoseconds now = 0;  ///< where the filter stands
+  OdometryClock clock;
   Nanoseconds last_used = 0;  ///< stamp of the last measurement that was used
   bool was_lost = true;
-  /// Of the fused pose, since a half stopped tracking.
-  struct Doubt {
-    Nanoseconds since = 0;
-    bool lost = false;                           ///< it has called itself lost
-    std::optional<Nanoseconds> elsewhere_since;  ///< and then found itself somewhere else
-  };
-  std::map<PoseSource, Doubt> doubts;       ///< by the half they come from
-  std::optional<Nanoseconds> heard_at;      ///< stamp of the newest estimate of either half
-  std::optional<Nanoseconds> silent_until;  ///< when the last silence of both halves ended
-  bool gave_up = false;                     ///< the pose is void because of a carry
-  std::optional<PoseSource> found_by;       ///< the half whose word counts then, having noticed it
-  std::vector<PublishedPose> published;
-  std::vector<ReceivedEstimate> received;
+  common::ThinnedHistory<PublishedPose> published;
+  common::ThinnedHistory<ReceivedEstimate> received;
 };
 
 std::optional<OdometryAt> Fusion::State::odometry_at(Nanoseconds stamp) const {
@@ -146,9 +153,8 @@ std::optional<OdometryAt> Fusion::State::odometry_at(Nanoseconds stamp) const {
 void Fusion::State::start_odometry_at(const common::Pose2& T_odom_base) {
   filter.change_odometry_frame(T_odom_base);
   limiter.change_odometry_frame(T_odom_base);
-  bridge.change_odometry_frame(T_odom_base);
-  for (PublishedPose& pose : published) pose.T_odom_base = T_odom_base * pose.T_odom_base;
-  for (ReceivedEstimate& estimate : received) estimate.T_odom_base = T_odom_base * estimate.T_odom_base;
+  for (PublishedPose& pose : published.changeable()) pose.T_odom_base = T_odom_base * pose.T_odom_base;
+  for (ReceivedEstimate& estimate : received.changeable()) estimate.T_odom_base = T_odom_base * estimate.T_odom_base;
 }
 
 bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& output) {
@@ -157,16 +163,15 @@ bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& out
   if (estimate.map_epoch < known->second) return false;
   known->second = estimate.map_epoch;
   keeper.forget(estimate.source);
-  bridge.use(std::nullopt);
+  use_alignment(std::nullopt);
+  bridge.forget_place();
+  filter.forget(estimate.source);
+  forget_fits();
   waiting.clear();
-  doubts.erase(estimate.source);
-  found_by.reset();
+  carry.forget(estimate.source);
   if (map_frame == estimate.source) {
-    filter.restart();
-    limiter.restart();
-    doubts.clear();
-    gave_up = false;
-    silent_until.reset();
+    restart_pose();
+    carry.restart();
   }
   tell(output, "map_reset",
        fmt::format("the {} map started epoch {}: its pairs and the alignment are void",
@@ -174,11 +179,23 @@ bool Fusion::State::accept_epoch(const PoseEstimate& estimate, FusionOutput& out
   return true;
 }
 
+void Fusion::State::forget_fits() {
+  for (auto& [source, motion] : motions) motion.forget();
+  for (auto& [source, monitor] : monitors) monitor.forget_fit();
+  probation_since.clear();
+}
+
+void Fusion::State::restart_pose() {
+  filter.restart();
+  limiter.restart();
+}
+
 void Fusion::State::choose_map_frame(const PoseEstimate& estimate, FusionOutput& output) {
   if (estimate.source == PoseSource::kLaser) {
     if (map_frame == PoseSource::kVisual) {
-      filter.restart();
-      limiter.restart();
+      restart_pose();
+      carry.restart();
+      forget_fits();
       tell(output, "frame_changed", "the laser half has come: the map frame is the laser's from now on");
     }
     map_frame = PoseSource::kLaser;
@@ -192,12 +209,14 @@ void Fusion::State::choose_map_frame(const PoseEstimate& estimate, FusionOutput&
   if (!map_frame && waited >= options.supervision.visual_only_after) map_frame = PoseSource::kVisual;
 }
 
-std::optional<UncertainPose> Fusion::State::in_map_frame(const PoseEstimate& estimate,
-                                                         const common::Pose2& T_odom_base) {
+void Fusion::State::use_alignment(const std::optional<Alignment>& alignment) {
+  if (const auto step = bridge.use(alignment)) filter.shift(PoseSource::kVisual, *step);
+}
+
+std::optional<UncertainPose> Fusion::State::in_map_frame(const PoseEstimate& estimate) {
   const UncertainPose measured = measurement_of(estimate, options.measurement);
   if (map_frame == estimate.source) return measured;
-  if (map_frame == PoseSource::kLaser)
-    return bridge.to_laser(estimate.stamp, measured, T_odom_base, options.filter.gate);
+  if (map_frame == PoseSource::kLaser) return bridge.to_laser(measured);
   return std::nullopt;
 }
 
@@ -231,11 +250,8 @@ void Fusion::State::take(const PoseEstimate& estimate, FusionOutput& output) {
 void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
   const auto then = odometry_at(estimate.stamp);
   if (!then) return;
-  // After a carry a half that only guesses where it might be must not be the one to say so, nor one that has not
-  // noticed.
-  if (gave_up && estimate.state != TrackingState::kTracking) return;
-  if (gave_up && found_by && estimate.source != *found_by && monitors.at(*found_by).speaks(now)) return;
-  const auto measured = in_map_frame(estimate, then->T_odom_base);
+  if (!carry.may_start(estimate, monitors, now)) return;
+  const auto measured = in_map_frame(estimate);
   if (!measured) return;
 
   const bool late = estimate.stamp < now;
@@ -243,28 +259,64 @@ void Fusion::State::use(const PoseEstimate& estimate, FusionOutput& output) {
     filter.move_to(then->T_odom_base, then->seconds_without);
     now = estimate.stamp;
   }
+  const bool moves_otherwise = !odometry.empty() && moves_unlike_the_rest(estimate, then->T_odom_base);
   const MeasurementReport report =
-      filter.measure(estimate.source, estimate.stamp, *measured, then->T_odom_base, late ? then->seconds_without : 0.0);
-  monitors.at(estimate.source).measured(report);
-  gave_up = false;
+      moves_otherwise ? MeasurementReport{MeasurementOutcome::kOverruled, 0.0, 0.0}
+                      : filter.measure(estimate.source, estimate.stamp, *measured, then->T_odom_base,
+                                       late ? then->seconds_without : 0.0, is_on_probation(estimate.source));
+  monitors.at(estimate.source).measured(report, moves_otherwise);
+  if (!moves_otherwise) carry.found(estimate);
   if (report.outcome == MeasurementOutcome::kAdopted) {
     tell(output, "raw_jump",
          fmt::format("the {} half told another place long enough: the corrected pose moves {:.2f} m",
                      common::to_string(estimate.source), report.jump));
   }
-  const bool used = report.outcome != MeasurementOutcome::kGated && report.outcome != MeasurementOutcome::kOverruled;
-  weigh_doubt(estimate, measured->pose * (then->T_odom_base.inverse() * filter.T_odom_base()), used);
-  if (!used) return;
+  const common::Pose2 measured_now = measured->pose * (then->T_odom_base.inverse() * filter.T_odom_base());
+  // A pose that is held back agrees all the same that the robot is where it is believed to be.
+  carry.measured(estimate, filter.state().pose.inverse() * measured_now, report.fits());
+  if (!report.used()) return;
   // A late pose does not undo a newer one; where the clock itself steps back (CARMEN) nothing is late.
   last_used = late ? std::max(last_used, estimate.stamp) : estimate.stamp;
-  if (estimate.source == PoseSource::kLaser) bridge.laser_told(estimate.stamp, *measured, then->T_odom_base);
+}
+
+bool Fusion::State::moves_unlike_the_rest(const PoseEstimate& estimate, const common::Pose2& T_odom_base) {
+  const bool is_metric = estimate.source == PoseSource::kLaser || !options.supervision.visual_scale_drifts;
+  const auto scale = estimate.source == PoseSource::kVisual ? bridge.scale() : std::optional(1.0);
+  if (!scale && !is_metric) return false;
+  UncertainPose told = measurement_of(estimate, options.measurement);
+  told.covariance *= options.filter.map_error.random_share;
+  MotionCheck& own = motions.at(estimate.source);
+  own.add(estimate.stamp, told, scale.value_or(1.0), T_odom_base);
+  const PoseSource other = other_half(estimate.source);
+  return filter.started() && own.plausible(now) == false && motions.at(other).confirms(now) &&
+         monitors.at(other).healthy(now);
+}
+
+bool Fusion::State::is_on_probation(PoseSource half) const {
+  const auto told = probation_since.find(half);
+  if (told == probation_since.end() || common::to_seconds(now - told->second) >= options.supervision.probation) {
+    return false;
+  }
+  const SourceMonitor& other = monitors.at(other_half(half));
+  return other.speaks(now) && other.own_state() == TrackingState::kTracking && !other.overruled();
+}
+
+void Fusion::State::follow_clock(Nanoseconds stamp) {
+  const Nanoseconds shift = clock.next(stamp);
+  if (shift == 0) return;
+  last_used += shift;
+  carry.shift(shift);
+  for (auto& [source, monitor] : monitors) monitor.shift(shift);
+  for (auto* told_at : {&last_command, &probation_since}) {
+    for (auto& [source, told] : *told_at) told += shift;
+  }
 }
 
 void Fusion::State::align_if_due(FusionOutput& output) {
   const auto attempt = keeper.update();
   if (!attempt) return;
   report(*attempt, output);
-  bridge.use(keeper.accepted());
+  use_alignment(keeper.accepted());
 }
 
 void Fusion::State::warn_of_offsets(const Alignment& attempt, FusionOutput& output) {
@@ -289,76 +341,13 @@ void Fusion::State::report(const Alignment& attempt, FusionOutput& output) {
                    attempt.rotation_deg, attempt.scale.x(), attempt.scale.y()));
 }
 
-std::optional<double> Fusion::State::all_lost_for() const {
-  std::optional<double> shortest;
-  for (const auto& [source, monitor] : monitors) {
-    if (!monitor.speaks(now)) continue;
-    const auto lost = monitor.lost_for(now);
-    if (!lost) return std::nullopt;
-    shortest = std::min(*lost, shortest.value_or(*lost));
-  }
-  return shortest;
-}
-
-void Fusion::State::hear(Nanoseconds stamp) {
-  const bool silent = heard_at && common::to_seconds(stamp - *heard_at) >= options.monitor.silent_after;
-  if (silent && filter.started()) silent_until = stamp;
-  heard_at = std::max(heard_at.value_or(stamp), stamp);  // poses come late, too
-}
-
-void Fusion::State::take_doubt(const PoseEstimate& estimate) {
-  const SourceMonitor& monitor = monitors.at(estimate.source);
-  const auto before = monitor.heard() ? monitor.own_state() : TrackingState::kLost;
-  const bool stops = before == TrackingState::kTracking && estimate.state != TrackingState::kTracking;
-  const bool is_lost_now = before != TrackingState::kLost && estimate.state == TrackingState::kLost;
-  if (stops || is_lost_now)
-    doubts.try_emplace(estimate.source, Doubt{by_laser_clock(estimate).stamp, false, std::nullopt});
-  if (estimate.state != TrackingState::kTracking) found_by.reset();
-  const auto doubt = doubts.find(estimate.source);
-  if (doubt == doubts.end()) return;
-  if (estimate.state == TrackingState::kLost) {
-    doubt->second.lost = true;
-    doubt->second.elsewhere_since.reset();
-  }
-  if (estimate.state == TrackingState::kTracking && !doubt->second.lost) doubts.erase(doubt);
-}
-
-void Fusion::State::weigh_doubt(const PoseEstimate& estimate, const common::Pose2& measured, bool used) {
-  if (estimate.state != TrackingState::kTracking) return;
-  if (const auto own = doubts.find(estimate.source); own != doubts.end()) {
-    const bool bent = estimate.source == PoseSource::kVisual && options.supervision.visual_scale_drifts;
-    const common::Pose2 off = filter.state().pose.inverse() * measured;
-    const bool far = off.translation().norm() > options.supervision.lost_position_sigma ||
-                     std::abs(off.theta) > options.supervision.lost_heading_sigma;
-    if (used || bent || !far) own->second.elsewhere_since.reset();
-    if (!used && far && !bent && !own->second.elsewhere_since) own->second.elsewhere_since = estimate.stamp;
-    if (used) doubts.erase(own);
-  }
-  const auto other = doubts.find(other_half(estimate.source));
-  if (other == doubts.end() || !used) return;
-  // After a carry the other half may take a moment longer to notice, and vouches for nothing until then. (Clocks that
-  // step back do not keep it waiting.)
-  const Doubt& doubt = other->second;
-  const double patience =
-      doubt.elsewhere_since ? options.supervision.contradiction_time : options.supervision.help_after;
-  const Nanoseconds begun = doubt.elsewhere_since.value_or(doubt.since);
-  if (std::abs(common::to_seconds(estimate.stamp - begun)) >= patience) doubts.erase(other);
-}
-
 void Fusion::State::give_up_if_carried() {
-  if (!filter.started()) return;
-  const auto lost = all_lost_for();
-  const bool all_lost = lost && *lost >= options.supervision.both_lost_after;
-  const auto elsewhere = std::find_if(doubts.begin(), doubts.end(), [this](const auto& doubt) {
-    return doubt.second.elsewhere_since && !monitors.at(other_half(doubt.first)).healthy(now);
-  });
-  if (!all_lost && elsewhere == doubts.end()) return;
-  found_by = elsewhere == doubts.end() ? std::nullopt : std::optional(elsewhere->first);
-  filter.restart();
-  limiter.restart();
+  if (!filter.started() || !carry.carried(monitors, now)) return;
+  carry.give_up(monitors, now);
+  restart_pose();
   bridge.forget_place();
-  doubts.clear();
-  gave_up = true;
+  for (auto& [source, motion] : motions) motion.forget();
+  probation_since.clear();
 }
 
 StatusEntry Fusion::State::fused_status() const {
@@ -368,36 +357,15 @@ StatusEntry Fusion::State::fused_status() const {
   if (!filter.started()) {
     entry.state = Verdict::kLost;
     entry.score = 0.0;
-    entry.reasons.emplace_back(gave_up ? "the halves say they are lost or somewhere else"
-                                       : "no usable pose has come yet");
+    entry.reasons.emplace_back(carry.gave_up() ? "the halves say they are lost or somewhere else"
+                                               : "no usable pose has come yet");
     return entry;
   }
   entry.score = 0.0;
   for (const auto& [source, monitor] : monitors) {
     if (monitor.heard()) entry.score = std::max(entry.score, monitor.status(now).score);
   }
-  if (all_lost_for()) {
-    entry.state = Verdict::kSuspect;
-    entry.reasons.emplace_back("every half that speaks says it is lost");
-  } else if (silent_until && now >= *silent_until &&
-             common::to_seconds(now - *silent_until) < options.supervision.help_after) {
-    entry.state = Verdict::kSuspect;
-    entry.reasons.emplace_back("both halves were silent until a moment ago: the robot may have been carried");
-  }
-  for (const auto& [source, doubt] : doubts) {
-    if (!monitors.at(source).speaks(now)) continue;
-    if (doubt.elsewhere_since) {
-      entry.state = Verdict::kLost;
-      entry.score = 0.0;
-      entry.reasons.push_back(
-          fmt::format("the {} half was lost and has found itself somewhere else", common::to_string(source)));
-    } else if (entry.state == Verdict::kTracking) {
-      entry.state = Verdict::kSuspect;
-      entry.reasons.push_back(
-          fmt::format("the {} half does not track any more, and the other has not confirmed the pose since",
-                      common::to_string(source)));
-    }
-  }
+  carry.judge(monitors, now, entry);
   const double silence = common::to_seconds(now - last_used);
   const bool confirmed = silence < options.monitor.silent_after;
   if (!confirmed) {
@@ -435,7 +403,14 @@ void Fusion::State::command_lost_halves(FusionOutput& output) {
       continue;
     }
     last_command[target] = now;
-    const UncertainPose pose = target == PoseSource::kLaser ? filter.state() : *bridge.to_visual(filter.state());
+    // A bent map is no better witness than a laser that was lost.
+    if (!options.supervision.visual_scale_drifts) probation_since[target] = now;
+    probation_since.erase(other_half(target));
+    motions.at(target).forget();
+    monitors.at(target).forget_fit();
+    const UncertainPose expected = filter.expected(target);
+    const UncertainPose pose =
+        target == PoseSource::kLaser ? expected : *bridge.to_visual(expected, filter.knows(target));
     output.commands.push_back({target, common::SetPose{pose.pose, pose.covariance}});
     tell(output, "set_pose", fmt::format("the {} half is told its pose", common::to_string(target)));
   }
@@ -448,6 +423,12 @@ void Fusion::State::write_status(FusionOutput& output) {
 }
 
 void Fusion::State::publish(FusionOutput& output) {
+  std::optional<UncertainPose> pose;
+  if (filter.started()) {
+    // Without odometry nothing tells the robot's own motion from a correction, and none may be held back.
+    if (odometry.empty()) limiter.restart();
+    pose = limiter.follow(now, filter.state(), filter.T_odom_base());
+  }
   const StatusEntry verdict = fused_status();
   status.write(verdict, output.status);
   const bool lost = verdict.state == Verdict::kLost;
@@ -459,31 +440,29 @@ void Fusion::State::publish(FusionOutput& output) {
     limiter.restart();
     return;
   }
-  // Without odometry nothing tells the robot's own motion from a correction, and none may be held back.
-  if (odometry.empty()) limiter.restart();
-  const UncertainPose pose = limiter.follow(now, filter.state(), filter.T_odom_base());
   CorrectedPose corrected;
   corrected.estimate.stamp = now;
   corrected.estimate.source = PoseSource::kFused;
   corrected.estimate.map_epoch = epochs[*map_frame];
-  corrected.estimate.pose = pose.pose;
-  corrected.estimate.covariance = pose.covariance;
+  corrected.estimate.pose = pose->pose;
+  corrected.estimate.covariance = pose->covariance;
   corrected.estimate.state = verdict.state == Verdict::kSuspect ? TrackingState::kUncertain : TrackingState::kTracking;
-  corrected.T_map_odom = pose.pose * filter.T_odom_base().inverse();
+  corrected.T_map_odom = pose->pose * filter.T_odom_base().inverse();
   output.pose = corrected;
-  published.push_back({now, filter.T_odom_base()});
+  published.push({now, filter.T_odom_base(), published.count()});
 }
 
-common::Result<std::unique_ptr<Fusion>> Fusion::create(const FusionOptions& options) {
+common::Result<std::unique_ptr<Fusion>> Fusion::create(const FusionOptions& options, std::size_t most_kept) {
   const double steps = 90.0 / options.alignment.seed004.angle_step;
   if (!(std::abs(steps - std::round(steps)) < 1e-9) || steps < 1.0) {
     return common::invalid_input(fmt::format("fusion.alignment.seed004.angle_step: {} does not divide 90 degrees",
                                              options.alignment.seed004.angle_step));
   }
-  return std::unique_ptr<Fusion>(new Fusion(options));
+  return std::unique_ptr<Fusion>(new Fusion(options, most_kept));
 }
 
-Fusion::Fusion(const FusionOptions& options) : state_(std::make_unique<State>(options)) {}
+Fusion::Fusion(const FusionOptions& options, std::size_t most_kept)
+    : state_(std::make_unique<State>(options, most_kept)) {}
 Fusion::~Fusion() = default;
 
 FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
@@ -496,6 +475,7 @@ FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
   const bool first = s.odometry.empty();
   s.odometry.add(odometry);
   if (first) s.start_odometry_at(odometry.pose);
+  s.follow_clock(odometry.stamp);
   s.filter.move_to(odometry.pose, 0.0);
   s.now = odometry.stamp;
   s.use_waiting(output);
@@ -506,27 +486,31 @@ FusionOutput Fusion::process(const common::WheelOdometry& odometry) {
   return output;
 }
 
-FusionOutput Fusion::process(const PoseEstimate& estimate) {
+FusionOutput Fusion::process(const PoseEstimate& told) {
   FusionOutput output;
   State& s = *state_;
-  output.rejected = flaw_of(estimate);
+  output.rejected = flaw_of(told);
   if (output.rejected) return output;
-  if (!s.accept_epoch(estimate, output)) {
-    output.rejected = fmt::format("the pose is of map epoch {}, which is over", estimate.map_epoch);
+  if (!s.accept_epoch(told, output)) {
+    output.rejected = fmt::format("the pose is of map epoch {}, which is over", told.map_epoch);
     return output;
   }
+  PoseEstimate estimate = told;
+  estimate.state = s.credibility.of(told);
   if (s.odometry.empty() && !s.filter.started()) s.now = estimate.stamp;
   s.use_waiting(output);
   const bool late = estimate.stamp < s.now;
-  s.take_doubt(estimate);
-  s.hear(estimate.stamp);
-  s.monitors.at(estimate.source).estimated(estimate);
-  const auto place = std::find_if(s.published.rbegin(), s.published.rend(),
-                                  [&](const PublishedPose& pose) { return pose.stamp < estimate.stamp; });
+  s.clock.heard(estimate.stamp);
+  SourceMonitor& monitor = s.monitors.at(estimate.source);
+  s.carry.estimated(estimate, s.by_laser_clock(estimate).stamp, monitor, s.filter.started());
+  monitor.estimated(estimate);
+  const auto& published = s.published.items();
+  const auto before = std::find_if(published.rbegin(), published.rend(),
+                                   [&](const PublishedPose& pose) { return pose.stamp < estimate.stamp; });
+  const std::size_t place = before == published.rend() ? 0 : before->number + 1;
   const auto odometry = s.odometry_at(s.by_laser_clock(estimate).stamp);
-  s.received.push_back({estimate.stamp, estimate.source, estimate.state,
-                        odometry ? odometry->T_odom_base : s.filter.T_odom_base(),
-                        late ? static_cast<std::size_t>(s.published.rend() - place) : s.published.size()});
+  s.received.push({estimate.stamp, estimate.source, estimate.state,
+                   odometry ? odometry->T_odom_base : s.filter.T_odom_base(), late ? place : s.published.count()});
   const bool usable = estimate.state != TrackingState::kLost;
   if (usable) s.take(estimate, output);
   s.give_up_if_carried();
@@ -538,22 +522,22 @@ FusionOutput Fusion::process(const PoseEstimate& estimate) {
 
 void Fusion::assume(const Alignment& alignment) {
   state_->keeper.assume(alignment);
-  state_->bridge.use(state_->keeper.accepted());
+  state_->use_alignment(state_->keeper.accepted());
 }
 
 FusionOutput Fusion::align_now() {
   FusionOutput output;
   state_->report(state_->keeper.align(), output);
-  state_->bridge.use(state_->keeper.accepted());
+  state_->use_alignment(state_->keeper.accepted());
   return output;
 }
 
 FusionResult Fusion::finish(const common::Trajectory2& laser_final, const common::Trajectory2& visual_final) {
   State& s = *state_;
-  const auto laser = anchors_of(laser_final, PoseSource::kLaser, s.received);
-  const auto visual = anchors_of(visual_final, PoseSource::kVisual, s.received);
+  const auto laser = anchors_of(laser_final, PoseSource::kLaser, s.received.items());
+  const auto visual = anchors_of(visual_final, PoseSource::kVisual, s.received.items());
   FusionResult result;
-  result.alignment = align_trajectories(path_of(laser), path_of(visual), s.options.alignment);
+  result.alignment = align_trajectories(path_of(laser), path_of(visual), s.options.alignment, scale_of(s.options));
   if (!result.alignment.accepted && s.keeper.assumed()) result.alignment = *s.keeper.assumed();
 
   std::vector<PathAnchor> anchors = laser;
@@ -567,7 +551,7 @@ FusionResult Fusion::finish(const common::Trajectory2& laser_final, const common
     }
     anchors = fill_gaps(laser, mapped, common::from_seconds(s.options.monitor.silent_after));
   }
-  result.fused_final = smooth_path(s.published, anchors);
+  result.fused_final = smooth_path(s.published.items(), anchors);
   FusionOutput told;
   s.report(result.alignment, told);
   result.events = std::move(told.events);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/pose_estimate.hpp"
 #include "common/sensor_message.hpp"
+#include "common/thinned_history.hpp"
 #include "common/trajectory.hpp"
 #include "fusion/alignment.hpp"
 #include "fusion/fusion_options.hpp"
@@ -50,8 +52,11 @@ struct FusionResult {
 /// systems can feed it. Deterministic in the sequence of calls; not for several threads at a time.
 class Fusion {
  public:
-  /// An option out of its range, or an angle step that does not divide 90 degrees, is an Error (kInvalidInput).
-  static common::Result<std::unique_ptr<Fusion>> create(const FusionOptions& options);
+  /// Of what the final path and alignments are made from at most `most_kept` poses of a kind are kept, thinned beyond
+  /// (see common::ThinnedHistory). An option out of its range, or an angle step that does not divide 90 degrees, is an
+  /// Error (kInvalidInput).
+  static common::Result<std::unique_ptr<Fusion>> create(const FusionOptions& options,
+                                                        std::size_t most_kept = common::kKeepAll);
   ~Fusion();
 
   /// The next odometry message, in arrival order.
@@ -72,7 +77,7 @@ class Fusion {
   common::PoseSource map_frame() const;
 
  private:
-  explicit Fusion(const FusionOptions& options);
+  Fusion(const FusionOptions& options, std::size_t most_kept);
 
   struct State;
   std::unique_ptr<State> state_;

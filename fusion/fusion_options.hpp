@@ -4,71 +4,33 @@
 #include "common/options.hpp"
 #include "fusion/alignment_keeper.hpp"
 #include "fusion/alignment_options.hpp"
-#include "fusion/bend_tracker.hpp"
 #include "fusion/corrected_pose_filter.hpp"
 #include "fusion/correction_limiter.hpp"
 #include "fusion/measurement_model.hpp"
+#include "fusion/motion_check.hpp"
 #include "fusion/source_monitor.hpp"
+#include "fusion/supervision_options.hpp"
 
 namespace slamfuse::fusion {
-
-/// When the fused pose is withheld, and how often a half is told where it is.
-struct SupervisionOptions {
-  double lost_position_sigma = 0.5;
-  double lost_heading_sigma = 0.35;
-  double both_lost_after = 0.5;
-  double visual_only_after = 1.0;
-  double help_after = 1.0;
-  double contradiction_time = 5.0;
-  bool visual_scale_drifts = false;
-  double command_interval = 5.0;
-  double status_interval = 1.0;
-
-  void describe(common::OptionVisitor& visit) {
-    visit.real("lost_position_sigma", lost_position_sigma, {0.01, 100.0}, "m",
-               "With no half left, the fused pose is LOST when its position is less certain than this.");
-    visit.real("lost_heading_sigma", lost_heading_sigma, {0.01, 3.15}, "rad",
-               "With no half left, the fused pose is LOST when its heading is less certain than this.");
-    visit.real(
-        "both_lost_after", both_lost_after, {0.0, 60.0}, "s",
-        "The fused pose is LOST when every half that speaks has called itself lost for this long; until then it is "
-        "SUSPECT.");
-    visit.real("visual_only_after", visual_only_after, {0.0, 60.0}, "s",
-               "Without a word of a laser for this long the visual map frame becomes the map frame.");
-    visit.real(
-        "help_after", help_after, {0.0, 60.0}, "s",
-        "A half that calls itself lost is told its pose after this time, in which the other one has to track on: "
-        "after a carry it may take a moment longer to notice.");
-    visit.real("contradiction_time", contradiction_time, {0.1, 600.0}, "s",
-               "A half that still claims to track is told its pose after the other half has overruled it this long.");
-    visit.flag("visual_scale_drifts", visual_scale_drifts,
-               "The visual poses come without a scale of their own (the program knows it of our visual half "
-               "without wheel odometry, and takes it for granted of another system's poses). While such a half tracks, "
-               "what contradicts the laser is a bent map and not a wrong place, "
-               "so it is not told its pose: that would tear its map apart.");
-    visit.real("command_interval", command_interval, {0.1, 600.0}, "s", "A half is told its pose at most this often.");
-    visit.real("status_interval", status_interval, {0.05, 60.0}, "s", "Status rows are written at least this often.");
-  }
-};
 
 /// The YAML section `fusion:`.
 struct FusionOptions {
   AlignmentOptions alignment;
   AlignmentScheduleOptions schedule;
-  BendOptions bend;
   CorrectedPoseOptions filter;
   CorrectionLimitOptions limit;
   MeasurementOptions measurement;
+  MotionCheckOptions motion;
   SourceMonitorOptions monitor;
   SupervisionOptions supervision;
 
   void describe(common::OptionVisitor& visit) {
     visit.nested("alignment", alignment, "Alignment of the two trajectories.");
     visit.nested("schedule", schedule, "When the alignment is tried.");
-    visit.nested("bend", bend, "How the maps bend against each other along the drive.");
     visit.nested("filter", filter, "The corrected pose.");
     visit.nested("limit", limit, "How fast the published correction may move.");
     visit.nested("measurement", measurement, "How far a half's own covariance is believed.");
+    visit.nested("motion", motion, "Comparing each half's motion with the wheels'.");
     visit.nested("monitor", monitor, "Judging the halves.");
     visit.nested("supervision", supervision, "Withholding the pose, commands to the halves, status rows.");
   }

@@ -13,8 +13,8 @@ namespace slamfuse::fusion {
 
 /// How far a half's own covariance is believed.
 struct MeasurementOptions {
-  double smallest_position_sigma = 0.02;
-  double smallest_heading_sigma = 0.01;
+  double smallest_position_sigma = 0.01;
+  double smallest_heading_sigma = 0.005;
   double uncertain_inflation = 3.0;
 
   void describe(common::OptionVisitor& visit) {
@@ -40,7 +40,8 @@ UncertainPose measurement_of(const common::PoseEstimate& estimate, const Measure
 UncertainPose aligned_pose(const UncertainPose& visual, const Alignment& alignment);
 
 /// Covariance of what an aligned pose at the place `visual` is off by: what pairs that G_LV had not seen were off by
-/// (the bend of the visual map, which G_LV cannot follow), and G_LV's own uncertainty there.
+/// (the bend of the visual map, which G_LV cannot follow; the larger of the held-out and the forward error), and G_LV's
+/// own uncertainty there; more where a scale had to be fitted.
 Eigen::Matrix3d alignment_error(const Alignment& alignment, const Eigen::Vector2d& visual);
 
 /// The inverse of aligned_pose.

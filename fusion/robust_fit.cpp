@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include "common/angle.hpp"
+#include "common/median.hpp"
 #include "fusion/robust_statistics.hpp"
 
 namespace slamfuse::fusion {
@@ -46,7 +47,7 @@ Eigen::Vector2d median_point(const Points& points) {
   Eigen::Vector2d centre;
   for (int axis = 0; axis < 2; ++axis) {
     for (std::size_t i = 0; i < points.size(); ++i) values[i] = points[i][axis];
-    centre[axis] = median(values);
+    centre[axis] = common::median(values);
   }
   return centre;
 }
@@ -54,7 +55,7 @@ Eigen::Vector2d median_point(const Points& points) {
 double median_distance(const Points& points) {
   std::vector<double> values(points.size());
   std::transform(points.begin(), points.end(), values.begin(), [](const Eigen::Vector2d& p) { return p.norm(); });
-  return median(std::move(values));
+  return common::median(std::move(values));
 }
 
 CentredPaths centre(const std::vector<PosePair>& pairs) {
@@ -74,6 +75,15 @@ CentredPaths centre(const std::vector<PosePair>& pairs) {
 
 double rotation_of(const PlanarAffine& map) {
   return std::atan2(map.linear(1, 0) - map.linear(0, 1), map.linear(0, 0) + map.linear(1, 1));
+}
+
+/// The rigid map nearest to a similarity that keeps `centre` where that maps it. (Of all rigid maps it has the least
+/// squares if the similarity has them among similarities and `centre` is the weighted centroid.)
+PlanarAffine without_scale(const PlanarAffine& similarity, const Eigen::Vector2d& centre) {
+  PlanarAffine rigid;
+  rigid.linear = similarity.linear / std::sqrt(similarity.linear.determinant());
+  rigid.translation = similarity * centre - rigid.linear * centre;
+  return rigid;
 }
 
 std::optional<PlanarAffine> similarity_through(const CentredPaths& paths, std::size_t i, std::size_t j) {
@@ -118,8 +128,9 @@ std::vector<PlanarAffine> random_hypotheses(const CentredPaths& paths, RobustMod
     const std::size_t i = draw();
     const std::size_t j = draw();
     const std::size_t k = draw();
-    const auto map =
-        model == RobustModel::kSimilarity ? similarity_through(paths, i, j) : affine_through(paths, i, j, k);
+    auto map = model == RobustModel::kAffine ? affine_through(paths, i, j, k) : similarity_through(paths, i, j);
+    if (map && map->linear.determinant() <= 0.0) continue;
+    if (map && model == RobustModel::kRigid) map = without_scale(*map, 0.5 * (paths.visual[i] + paths.visual[j]));
     if (map) hypotheses.push_back(*map);
   }
   return hypotheses;
@@ -177,9 +188,15 @@ double truncated_loss(const CentredPaths& paths, const PlanarAffine& map, double
   return sum / count;
 }
 
-/// How the six numbers of an affine map follow from the model's own.
-Eigen::MatrixXd parameter_basis(RobustModel model) {
+/// How the six numbers of an affine map follow from the model's own; of a rigid one: change with them at `map`.
+Eigen::MatrixXd parameter_basis(RobustModel model, const PlanarAffine& map) {
   if (model == RobustModel::kAffine) return Eigen::MatrixXd::Identity(6, 6);
+  if (model == RobustModel::kRigid) {
+    Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(6, 3);  // (angle, tx, ty) of [cos -sin; sin cos]
+    basis.topLeftCorner<4, 1>() << -map.linear(1, 0), -map.linear(0, 0), map.linear(0, 0), -map.linear(1, 0);
+    basis(4, 1) = basis(5, 2) = 1.0;
+    return basis;
+  }
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(6, 4);  // (a, b, tx, ty) of [a -b; b a]
   basis(0, 0) = basis(3, 0) = 1.0;
   basis(1, 1) = -1.0;
@@ -226,14 +243,18 @@ PlanarAffine to_map(const Vector6& p) {
 }
 
 std::optional<PlanarAffine> weighted_fit(const CentredPaths& paths, const std::vector<double>& weights,
-                                         const Eigen::MatrixXd& basis) {
+                                         RobustModel model) {
   const NormalEquations equations = normal_equations(paths, weights);
+  const RobustModel linear = model == RobustModel::kRigid ? RobustModel::kSimilarity : model;
+  const Eigen::MatrixXd basis = parameter_basis(linear, {});
   const Eigen::MatrixXd matrix = basis.transpose() * equations.matrix * basis;
   const Eigen::LDLT<Eigen::MatrixXd> solver(matrix);
   if (solver.info() != Eigen::Success || !solver.isPositive()) return std::nullopt;
   const PlanarAffine map = to_map(basis * solver.solve(basis.transpose() * equations.right));
   if (!map.is_finite() || map.linear.determinant() <= 0.0) return std::nullopt;
-  return map;
+  if (model != RobustModel::kRigid) return map;
+  const Eigen::Vector2d centroid = equations.matrix.block<1, 2>(4, 0).transpose() / equations.matrix(4, 4);
+  return without_scale(map, centroid);
 }
 
 /// The same of the residuals within `bound_sigmas` of it, repeated until it settles: the quantile of all residuals lies
@@ -252,8 +273,8 @@ double inlier_sigma(std::vector<double> squares, double sigma, double bound_sigm
 }
 
 /// Iterated reweighted least squares; the noise level is re-estimated until it settles, never upwards.
-PlanarAffine refine(const CentredPaths& paths, PlanarAffine map, const Eigen::MatrixXd& basis, int iterations,
-                    double sigma_floor, double& sigma) {
+PlanarAffine refine(const CentredPaths& paths, PlanarAffine map, RobustModel model, int iterations, double sigma_floor,
+                    double& sigma) {
   constexpr double kSettled = 1e-9;  // relative change of the linear part
   std::vector<double> squares;
   std::vector<double> sorted;
@@ -263,7 +284,7 @@ PlanarAffine refine(const CentredPaths& paths, PlanarAffine map, const Eigen::Ma
     sorted = squares;
     sigma = std::min(sigma, sigma_of(sorted, sigma_floor));
     for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = tukey_weight(squares[i], sigma);
-    const auto next = weighted_fit(paths, weights, basis);
+    const auto next = weighted_fit(paths, weights, model);
     if (!next) return map;
     const double change = (next->linear - map.linear).norm() / map.linear.norm();
     map = *next;
@@ -274,8 +295,9 @@ PlanarAffine refine(const CentredPaths& paths, PlanarAffine map, const Eigen::Ma
 
 /// Covariance of the fit by the sandwich of M-estimation with Tukey's psi over the inliers, inflated by the first
 /// autocorrelation of the residuals (a first-order process has n (1 - r) / (1 + r) independent samples).
-Matrix6 covariance_of(const CentredPaths& paths, const PlanarAffine& map, const Eigen::MatrixXd& basis, double sigma,
+Matrix6 covariance_of(const CentredPaths& paths, const PlanarAffine& map, RobustModel model, double sigma,
                       const std::vector<bool>& inliers) {
+  const Eigen::MatrixXd basis = parameter_basis(model, map);
   constexpr double kLargestAutocorrelation = 0.99;
   std::vector<double> ones(paths.laser.size(), 0.0);
   double slope = 0.0;
@@ -312,7 +334,7 @@ Matrix6 covariance_of(const CentredPaths& paths, const PlanarAffine& map, const 
 /// The smallest truncated loss of maps whose rotation is well separated from the best one's: of the random hypotheses
 /// and of the best of them refined.
 double runner_up_loss(const CentredPaths& scored, const std::vector<PlanarAffine>& hypotheses, const PlanarAffine& best,
-                      double separation, double bound, const Eigen::MatrixXd& basis) {
+                      double separation, double bound, RobustModel model) {
   constexpr int kRefinements = 5;
   double smallest = bound;  // what a map that fits no pair loses
   std::optional<PlanarAffine> runner_up;
@@ -332,7 +354,7 @@ double runner_up_loss(const CentredPaths& scored, const std::vector<PlanarAffine
   for (int n = 0; runner_up && n < kRefinements; ++n) {
     squared_residuals(scored, *runner_up, squares);
     for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = squares[i] < bound ? 1.0 : 0.0;
-    runner_up = weighted_fit(scored, weights, basis);
+    runner_up = weighted_fit(scored, weights, model);
     if (!runner_up || !separated(*runner_up)) break;
     smallest = std::min(smallest, truncated_loss(scored, *runner_up, bound));
   }
@@ -356,7 +378,6 @@ std::optional<RobustFit> fit_robust(const std::vector<PosePair>& pairs, RobustMo
   if (!(paths.laser_spread > 0.0) || !(paths.visual_spread > 0.0)) return std::nullopt;
   const CentredPaths scored = thin(paths, static_cast<std::size_t>(options.scored_pairs));
   const double sigma_floor = kSmallestRelativeSigma * paths.laser_spread;
-  const Eigen::MatrixXd basis = parameter_basis(model);
 
   const std::vector<PlanarAffine> hypotheses = random_hypotheses(paths, model, options);
   std::optional<PlanarAffine> best;
@@ -371,18 +392,18 @@ std::optional<RobustFit> fit_robust(const std::vector<PosePair>& pairs, RobustMo
   if (!best) return std::nullopt;
 
   RobustFit fit;
-  PlanarAffine map = refine(paths, *best, basis, options.iterations, sigma_floor, sigma);
+  PlanarAffine map = refine(paths, *best, model, options.iterations, sigma_floor, sigma);
   squared_residuals(paths, map, squares);
   sigma = inlier_sigma(squares, sigma, options.inlier_sigmas, sigma_floor);
-  map = refine(paths, map, basis, options.iterations, sigma_floor, sigma);
+  map = refine(paths, map, model, options.iterations, sigma_floor, sigma);
   fit.sigma = sigma;
   const double bound = options.inlier_sigmas * options.inlier_sigmas * sigma * sigma;
   squared_residuals(paths, map, squares);
   fit.inliers.resize(pairs.size());
   for (std::size_t i = 0; i < squares.size(); ++i) fit.inliers[i] = squares[i] <= bound;
-  fit.covariance = uncentre(covariance_of(paths, map, basis, sigma, fit.inliers), paths.visual_centre);
+  fit.covariance = uncentre(covariance_of(paths, map, model, sigma, fit.inliers), paths.visual_centre);
   fit.loss = truncated_loss(scored, map, bound);
-  fit.runner_up_loss = runner_up_loss(scored, hypotheses, map, runner_up_separation, bound, basis);
+  fit.runner_up_loss = runner_up_loss(scored, hypotheses, map, runner_up_separation, bound, model);
   fit.map.linear = map.linear;
   fit.map.translation = map.translation + paths.laser_centre - map.linear * paths.visual_centre;
   return fit;

@@ -33,6 +33,7 @@ struct RobustFitOptions {
 
 /// Which maps a robust fit may choose from.
 enum class RobustModel {
+  kRigid,       ///< three parameters, scale 1
   kSimilarity,  ///< four parameters
   kAffine,      ///< six parameters, positive determinant
 };

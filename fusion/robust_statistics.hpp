@@ -13,9 +13,6 @@ inline constexpr double kTukeyConstant = 4.685;
 /// kTukeyConstant standard deviations.
 double tukey_weight(double square, double sigma);
 
-/// The upper of the two middle values where their number is even. There must be one.
-double median(std::vector<double> values);
-
 /// At most `count` of the items (a vector), evenly spread and in their order: neighbours in time share their errors,
 /// more of them tell nothing new.
 template <class Items>

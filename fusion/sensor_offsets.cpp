@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 
 #include "common/angle.hpp"
+#include "common/median.hpp"
 #include "fusion/robust_fit.hpp"
 #include "fusion/robust_statistics.hpp"
 #include "fusion/trajectory_pairing.hpp"
@@ -20,7 +21,6 @@ namespace {
 
 using common::angle_difference;
 using common::Nanoseconds;
-using common::Pose2;
 using common::Trajectory2;
 
 /// Over this time [s] turns are compared, and speeds measured.
@@ -159,8 +159,8 @@ Noise noise_of(const std::vector<Moment>& moments) {
   }
   constexpr double kRayleighMedian = 1.1774100225154747;
   constexpr double kSmallest = 1e-6;
-  return {std::max(median(std::move(positions)) / kRayleighMedian, kSmallest),
-          std::max(kSigmaOfMedian * median(std::move(headings)), kSmallest)};
+  return {std::max(common::median(std::move(positions)) / kRayleighMedian, kSmallest),
+          std::max(kSigmaOfMedian * common::median(std::move(headings)), kSmallest)};
 }
 
 /// Weighted normal equations, and what they leave.
@@ -238,7 +238,7 @@ std::optional<Vector> start(const Trajectory2& laser, const Trajectory2& moments
     sines.push_back(std::sin(yaw));
     cosines.push_back(std::cos(yaw));
   }
-  x[kYaw] = std::atan2(median(std::move(sines)), median(std::move(cosines)));
+  x[kYaw] = std::atan2(common::median(std::move(sines)), common::median(std::move(cosines)));
   return x;
 }
 

@@ -47,11 +47,17 @@ class SourceMonitor {
 
   /// It made an estimate; what the filter did with it follows in `measured`, if it was usable at all.
   void estimated(const common::PoseEstimate& estimate);
-  void measured(const MeasurementReport& report);
+  /// `moves_otherwise`: it was not used because it does not move as the wheels and the other half do.
+  void measured(const MeasurementReport& report, bool moves_otherwise = false);
+
+  /// All input paused for so long, which does not count, or the clock was set by so much.
+  void shift(common::Nanoseconds by);
+  /// Its map or its frame is new, or it was told its pose: how its poses fitted before does not count.
+  void forget_fit();
 
   /// The verdict at `now`. Score: 1, times 0.6 if it calls itself uncertain, 0.3 if it has for long, times 1 / (1 +
-  /// poses gated in a row), times a factor that falls to 0 as it stays silent; 0 if it calls itself lost. SUSPECT below
-  /// 0.4, LOST at 0.
+  /// poses gated in a row), 0.3 while it is held back, times a factor that falls to 0 as it stays silent; 0 if it calls
+  /// itself lost. SUSPECT below 0.4, LOST at 0.
   StatusEntry status(common::Nanoseconds now) const;
 
  private:
@@ -60,7 +66,9 @@ class SourceMonitor {
   bool heard_ = false;
   common::Nanoseconds stamp_ = 0;
   common::TrackingState own_state_ = common::TrackingState::kTracking;
+  bool held_back_ = false;  // its last pose fitted and was not to be used
   int gated_in_a_row_ = 0;
+  bool moves_otherwise_ = false;
   std::optional<common::Nanoseconds> overruled_since_;
   std::optional<common::Nanoseconds> lost_since_;
   std::optional<common::Nanoseconds> uncertain_since_;

@@ -20,10 +20,4 @@ Eigen::Vector3d difference(const common::Pose2& to, const common::Pose2& from);
 /// freedom when both are right. Poses that share errors come out closer than that.
 double squared_distance(const UncertainPose& a, const UncertainPose& b);
 
-/// Covariance intersection (Julier, Uhlmann 1997): fuses two estimates of one pose whose errors are correlated to an
-/// unknown degree, e.g. because both used the same wheel odometry. The information is a weighted mean of the two, with
-/// the weight that minimises the determinant; the result is never more certain than the truth if neither input was.
-/// Where one covariance contains the other the result is the more certain input. Covariances must be positive definite.
-UncertainPose intersect(const UncertainPose& a, const UncertainPose& b);
-
 }  // namespace slamfuse::fusion

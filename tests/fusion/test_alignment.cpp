@@ -197,6 +197,29 @@ TEST(AlignTrajectories, AutoTakesTheAffineMapOnlyWhereItLowersTheHeldOutErrorCle
   EXPECT_EQ(align_trajectories(laser, even, {}).method, AlignmentMethod::kSimilarity);
 }
 
+TEST(AlignTrajectories, AutoKeepsTheScaleOfAMetricPathThatDriftedALittle) {
+  const auto laser = flat_path();
+  const auto drifted = visual_path(laser, stretched_map(20.0, 1.02, 0.99, 0.5, 0.7), 0.005, 0.0, 11);
+  const auto scaled = visual_path(laser, stretched_map(20.0, 1.2, 1.2, 0.5, 0.7), 0.005, 0.0, 11);
+
+  EXPECT_EQ(align_trajectories(laser, drifted, {}, VisualScale::kMetric).method, AlignmentMethod::kRigid);
+  EXPECT_EQ(align_trajectories(laser, drifted, {}, VisualScale::kMetric).scale, Eigen::Vector2d(1.0, 1.0));
+  EXPECT_EQ(align_trajectories(laser, drifted, {}, VisualScale::kUnknown).method, AlignmentMethod::kAffine);
+  EXPECT_EQ(align_trajectories(laser, scaled, {}, VisualScale::kMetric).method, AlignmentMethod::kSimilarity);
+}
+
+TEST(AlignTrajectories, TheForwardErrorIsThatOfAPathThatBendsOnlyAtItsEnd) {
+  const auto laser = flat_path();
+  auto visual = visual_path(laser, stretched_map(20.0, 1.0, 1.0, 0.5, 0.7), 0.002, 0.0, 11);
+  for (std::size_t i = visual.size() * 3 / 4; i < visual.size(); ++i) visual[i].pose.x += 0.03;
+
+  const Alignment alignment = align_trajectories(laser, visual, {}, VisualScale::kMetric);
+
+  ASSERT_TRUE(alignment.accepted) << alignment.reason;
+  EXPECT_NEAR(alignment.forward_rmse, 0.03, 0.006);
+  EXPECT_LT(alignment.heldout_rmse, 0.02);
+}
+
 TEST(AlignTrajectories, GivesTheSameBytesEveryTime) {
   const auto laser = flat_path();
   const auto visual = visual_path(laser, stretched_map(20.0, 2.0, 2.4, 0.0, 0.0), 0.05, 0.3, 6);
@@ -225,6 +248,14 @@ TEST(AlignTrajectories, StandingStillMostOfTheTimeDoesNotHideTheDrive) {
   ASSERT_TRUE(alignment.accepted) << alignment.reason;
   EXPECT_LT(angle_error_deg(alignment, 30.0), 0.2);
   EXPECT_NEAR(alignment.mean_scale / 2.0, 1.0, 0.005);
+  EXPECT_GT(alignment.scale_sigma, 0.0);
+  EXPECT_LT(std::abs(alignment.mean_scale - 2.0), 4.0 * alignment.scale_sigma);
+}
+
+TEST(AlignTrajectories, TheScaleOfAMethodWithoutCovarianceHasNoStandardDeviation) {
+  const common::Trajectory2 laser = flat_path();
+  const auto visual = visual_path(laser, stretched_map(30.0, 2.0, 2.0, 2.0, -3.0), 0.01, 0.0, 45);
+  EXPECT_TRUE(std::isnan(align_trajectories(laser, visual, with_method(AlignmentMethod::kSeed004)).scale_sigma));
 }
 
 TEST(AlignTrajectories, CoordinatesTooLargeToSquareAreRefused) {

@@ -14,7 +14,8 @@ ReceivedEstimate received(common::Nanoseconds stamp, common::TrackingState state
 
 std::vector<PublishedPose> published_each_second(int count) {
   std::vector<PublishedPose> published;
-  for (int i = 0; i < count; ++i) published.push_back({i * kSecond, {static_cast<double>(i), 0.0, 0.0}});
+  for (int i = 0; i < count; ++i)
+    published.push_back({i * kSecond, {static_cast<double>(i), 0.0, 0.0}, static_cast<std::size_t>(i)});
   return published;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fusion/robust_fit.hpp"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "fusion/synthetic_trajectory.hpp"
 
@@ -33,6 +36,42 @@ TEST(FitRobust, MeasuresTheNoiseAndFindsTheExactMapWithoutIt) {
 
   ASSERT_TRUE(exact.has_value());
   EXPECT_LT((exact->map.matrix() - truth.matrix()).norm(), 1e-9);
+}
+
+TEST(FitRobust, ARigidFitKeepsTheScaleAndFindsTheRest) {
+  const PlanarAffine truth = stretched_map(70.0, 1.0, 1.0, 3.0, -2.0);
+
+  const auto fit = fit_robust(noisy_pairs(truth, 0.02, 0.3, 8), RobustModel::kRigid, {}, kSeparation);
+
+  ASSERT_TRUE(fit.has_value());
+  EXPECT_NEAR(fit->map.linear.determinant(), 1.0, 1e-12);
+  EXPECT_LT((fit->map.linear - truth.linear).norm(), 0.005);
+  EXPECT_LT((fit->map.translation - truth.translation).norm(), 0.02);
+}
+
+TEST(FitRobust, NoRotationFitsScaledPathsBetterThanTheRigidOneFound) {
+  const auto pairs = noisy_pairs(stretched_map(70.0, 1.03, 1.03, 3.0, -2.0), 0.0, 0.0, 8);
+  const auto loss = [&](const PlanarAffine& map) {
+    double sum = 0.0;
+    for (const PosePair& pair : pairs)
+      sum += (pair.laser.translation() - map * pair.visual.translation()).squaredNorm();
+    return sum;
+  };
+  RobustFitOptions options;
+  options.inlier_sigmas = 10.0;
+
+  const auto fit = fit_robust(pairs, RobustModel::kRigid, options, kSeparation);
+
+  ASSERT_TRUE(fit.has_value());
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const PosePair& pair : pairs) centre += pair.visual.translation() / static_cast<double>(pairs.size());
+  EXPECT_NEAR(take_apart(fit->map).rotation, 70.0 * std::numbers::pi / 180.0, 0.003);
+  for (const double turn : {-0.01, 0.01}) {
+    PlanarAffine other = fit->map;
+    other.linear = Eigen::Rotation2Dd(turn) * other.linear;
+    other.translation = fit->map * centre - other.linear * centre;
+    EXPECT_GT(loss(other), loss(fit->map));
+  }
 }
 
 /// The true map must lie inside the 95 % ellipsoid in about 95 % of the runs.

@@ -13,12 +13,6 @@ TEST(TukeyWeight, FallsFromOneToZeroAtItsConstant) {
   EXPECT_NEAR(tukey_weight(0.25 * edge * edge, 0.1), 0.5625, 1e-12);
 }
 
-TEST(Median, IsTheMiddleOrTheUpperOfTwo) {
-  EXPECT_EQ(median({3.0}), 3.0);
-  EXPECT_EQ(median({5.0, -1.0, 2.0}), 2.0);
-  EXPECT_EQ(median({4.0, 1.0, 3.0, 2.0}), 3.0);
-}
-
 TEST(EvenlySpread, KeepsFirstAndOrderAndNeverMore) {
   const std::vector<int> items{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
   EXPECT_EQ(evenly_spread(items, 10), items);

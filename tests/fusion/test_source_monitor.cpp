@@ -52,5 +52,15 @@ TEST(SourceMonitor, SilenceIsSuspectThenLost) {
   EXPECT_FALSE(monitor.lost_for(from_seconds(1.2)).has_value());
 }
 
+TEST(SourceMonitor, AHalfThatIsHeldBackIsSuspectAndNoWitness) {
+  SourceMonitor monitor = heard(TrackingState::kTracking, 1.0);
+  EXPECT_TRUE(monitor.healthy(from_seconds(1.0)));
+  monitor.measured({MeasurementOutcome::kHeldBack, 1.0, 0.0}, false);
+  EXPECT_EQ(monitor.status(from_seconds(1.0)).state, Verdict::kSuspect);
+  EXPECT_FALSE(monitor.healthy(from_seconds(1.0)));
+  monitor.measured({MeasurementOutcome::kFused, 1.0, 0.0}, false);
+  EXPECT_TRUE(monitor.healthy(from_seconds(1.0)));
+}
+
 }  // namespace
 }  // namespace slamfuse::fusion
