@@ -19,7 +19,8 @@ namespace slamfuse::idl {
 inline std::string ros_type_name(std::string dds_type) {
   constexpr std::string_view kMark = "dds_::";
   if (const auto mark = dds_type.find(kMark); mark != std::string::npos) dds_type.erase(mark, kMark.size());
-  for (auto at = dds_type.find("::"); at != std::string::npos; at = dds_type.find("::")) dds_type.replace(at, 2, "/");
+  for (auto at = dds_type.find("::"); at != std::string::npos; at = dds_type.find("::"))
+    dds_type.replace(at, 2, 1, '/');
   if (dds_type.ends_with('_')) dds_type.pop_back();
   return dds_type;
 }

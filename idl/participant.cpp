@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <dds/dds.h>
+#include <fmt/format.h>
 
 #include "idl/cyclone_log.hpp"
 #include "idl/qos.hpp"
@@ -26,10 +27,15 @@ constexpr std::string_view kLoopbackConfig =
 constexpr std::string_view kSizeConfig =
     "<CycloneDDS><Domain><Internal><MaxSampleSize>128MB</MaxSampleSize></Internal></Domain></CycloneDDS>";
 
-// A comma-separated list of files and fragments, later ones first in rank: CYCLONEDDS_URI may change our size, not
-// where we are.
+// A writer that ends waits so long for readers that have not acknowledged everything; by default a second each, and a
+// service has a dozen writers. Who needs its last messages delivered waits for the acknowledgments itself.
+constexpr std::string_view kLingerConfig =
+    "<CycloneDDS><Domain><Internal><WriterLingerDuration>50ms</WriterLingerDuration></Internal></Domain></CycloneDDS>";
+
+// A comma-separated list of files and fragments, later ones first in rank: CYCLONEDDS_URI may change our sizes and
+// times, not where we are.
 std::string configuration(bool loopback_only) {
-  std::string config(kSizeConfig);
+  std::string config = fmt::format("{},{}", kSizeConfig, kLingerConfig);
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri != nullptr && *uri != '\0') config += "," + std::string(uri);
   if (loopback_only) config += "," + std::string(kLoopbackConfig);
   return config;
@@ -55,7 +61,7 @@ common::Result<Domain> configured_domain(std::uint32_t id, bool loopback_only) {
   const char* const how = loopback_only ? " for loopback only (no other interface may be named)" : "";
   return own(dds_create_domain(id, config.c_str()), "configure domain " + std::to_string(id) + how)
       .map([&](Entity&& entity) {
-        const Domain domain = std::make_shared<const Entity>(std::move(entity));
+        Domain domain = std::make_shared<const Entity>(std::move(entity));
         configured = {domain, loopback_only};
         return domain;
       });

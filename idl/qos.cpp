@@ -9,7 +9,7 @@
 namespace slamfuse::idl {
 namespace {
 
-// How long a reliable write may wait for slow readers before it gives up.
+// What a reliable endpoint offers; with keep-last histories Cyclone's writes never wait.
 constexpr dds_duration_t kMaxBlocking = DDS_MSECS(100);
 
 struct Settings {
@@ -69,7 +69,7 @@ std::string user_data_of(const dds_qos& qos) {
   void* data = nullptr;
   std::size_t size = 0;
   if (!dds_qget_userdata(&qos, &data, &size) || data == nullptr) return {};
-  const std::string text(static_cast<const char*>(data), size);
+  std::string text(static_cast<const char*>(data), size);
   dds_free(data);
   return text;
 }

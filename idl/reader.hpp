@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,6 +33,8 @@ class Reader {
     });
   }
 
+  /// Which writer the last taken message came from; see UntypedReader::sender().
+  std::uint64_t sender() { return reader_.sender(); }
   int matched_writers() const { return reader_.matched_writers(); }
   /// For a WaitSet.
   const UntypedReader& untyped() const { return reader_; }

@@ -66,7 +66,7 @@ class CdrWriter {
 
 }  // namespace
 
-common::Result<GraphPresence> GraphPresence::create(const Participant& participant, const std::string& node,
+common::Result<GraphPresence> GraphPresence::create(const Participant& participant, const NodeName& node,
                                                     RosGraph graph) {
   auto publications = own(dds_create_reader(participant.handle(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                           "list the publishers");
@@ -82,7 +82,7 @@ common::Result<GraphPresence> GraphPresence::create(const Participant& participa
                        *std::move(writer));
 }
 
-GraphPresence::GraphPresence(Participant participant, std::string node, RosGraph graph, Entity publications,
+GraphPresence::GraphPresence(Participant participant, NodeName node, RosGraph graph, Entity publications,
                              Entity subscriptions, RawWriter writer)
     : participant_(std::move(participant)),
       node_(std::move(node)),
@@ -101,15 +101,15 @@ common::Result<void> GraphPresence::update() {
   return writer_.write(told_);
 }
 
-std::vector<std::uint8_t> participant_entities_info(const std::string& participant, const std::string& node,
+std::vector<std::uint8_t> participant_entities_info(const std::string& participant, const NodeName& node,
                                                     const std::vector<std::string>& readers,
                                                     const std::vector<std::string>& writers, RosGraph graph) {
   const std::size_t gid = graph == RosGraph::kUpToHumble ? kHumbleGidBytes : kGuidBytes;
   CdrWriter cdr;
   cdr.octets(participant, gid);
   cdr.number(1);  // nodes
-  cdr.text("/");
-  cdr.text(node);
+  cdr.text(node.name_space.name());
+  cdr.text(node.name);
   for (const auto* ids : {&readers, &writers}) {
     cdr.number(static_cast<std::uint32_t>(ids->size()));
     for (const std::string& id : *ids) cdr.octets(id, gid);

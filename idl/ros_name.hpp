@@ -17,7 +17,7 @@ inline bool is_ros_topic(const std::string& dds_name) { return dds_name.starts_w
 inline std::string ros_topic_name(const std::string& dds_name) { return dds_name.substr(3); }
 
 /// The DDS type of a ROS 2 type: "sensor_msgs/msg/LaserScan" is "sensor_msgs::msg::dds_::LaserScan_".
-inline std::string dds_type_name(std::string ros_type) {
+inline std::string dds_type_name(const std::string& ros_type) {
   const std::size_t last = ros_type.rfind('/');
   if (last == std::string::npos) return ros_type + "_";
   std::string name = ros_type.substr(0, last) + "/dds_/" + ros_type.substr(last + 1) + "_";

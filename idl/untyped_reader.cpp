@@ -2,6 +2,8 @@
 #include "idl/untyped_reader.hpp"
 
 #include <cstdint>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include <dds/dds.h>
@@ -78,9 +80,21 @@ common::Result<bool> UntypedReader::take_available(void* sample) {
 std::string UntypedReader::sender_user_data() const {
   dds_builtintopic_endpoint_t* const writer = dds_get_matched_publication_data(reader_.handle(), last_sender_);
   if (writer == nullptr) return {};
-  const std::string text = user_data_of(*writer->qos);
+  std::string text = user_data_of(*writer->qos);
   dds_builtintopic_free_endpoint(writer);
   return text;
+}
+
+// A handle is new whenever a writer is discovered, also after its network was away; its GUID stays.
+std::uint64_t UntypedReader::sender() {
+  if (last_sender_ == known_sender_) return sender_number_;
+  dds_builtintopic_endpoint_t* const writer = dds_get_matched_publication_data(reader_.handle(), last_sender_);
+  if (writer == nullptr) return sender_number_;  // already gone
+  const std::string_view guid(reinterpret_cast<const char*>(writer->key.v), sizeof(writer->key.v));
+  sender_number_ = std::hash<std::string_view>()(guid);
+  known_sender_ = last_sender_;
+  dds_builtintopic_free_endpoint(writer);
+  return sender_number_;
 }
 
 int UntypedReader::matched_writers() const {

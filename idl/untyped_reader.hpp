@@ -32,6 +32,9 @@ class UntypedReader {
   common::Result<bool> take(void* sample, std::chrono::nanoseconds timeout);
   /// USER_DATA of the writer the last taken message came from; empty when it has none, or has gone.
   std::string sender_user_data() const;
+  /// A number of that writer: another one for another writer, as after its process was started again, the same one when
+  /// only its network was away. 0 before the first message.
+  std::uint64_t sender();
   int matched_writers() const;
   /// What a WaitSet waits for.
   Entity::Handle condition() const { return condition_.handle(); }
@@ -47,7 +50,9 @@ class UntypedReader {
   Entity condition_;
   Entity waitset_;
   std::string name_;
-  std::uint64_t last_sender_ = 0;  // instance handle of a writer
+  std::uint64_t last_sender_ = 0;   // instance handle of a writer
+  std::uint64_t known_sender_ = 0;  // the one that sender_number_ is of
+  std::uint64_t sender_number_ = 0;
 };
 
 }  // namespace slamfuse::idl

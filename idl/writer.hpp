@@ -21,7 +21,8 @@ class Writer {
         .map([](UntypedWriter&& writer) { return Writer(std::move(writer)); });
   }
 
-  /// Sends a copy. Error (kFailed): a reliable reader did not keep up, or the domain broke.
+  /// Sends a copy. Never waits for a reader: one that does not keep up misses messages. Error (kFailed): the domain
+  /// broke.
   common::Result<void> write(const Message<T>& message) { return writer_.write(&*message); }
 
   int matched_readers() const { return writer_.matched_readers(); }

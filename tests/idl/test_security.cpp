@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -32,8 +33,8 @@ class Security : public testing::Test {
   static bool make(const std::string& store, const std::string& enclaves) {
     fs::create_directories(folder_);
     const std::string command =
-        std::string(SLAMFUSE_KEYSTORE_SCRIPT) + " " + (folder_ / store).string() + " " + enclaves;
-    return std::system((command + " > /dev/null").c_str()) == 0;
+        fmt::format("{} {} {} > /dev/null", SLAMFUSE_KEYSTORE_SCRIPT, (folder_ / store).string(), enclaves);
+    return std::system(command.c_str()) == 0;
   }
 
   Participant join(const std::string& store, const std::string& enclave) const {
