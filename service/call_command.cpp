@@ -8,6 +8,7 @@
 
 #include "idl/participant.hpp"
 #include "idl/service_client.hpp"
+#include "service/dds_outputs.hpp"
 
 namespace slamfuse::service {
 namespace {
@@ -21,13 +22,16 @@ constexpr auto kAnswerPatience = 150s;  // a session may have to end and another
 /// `fill` writes the argument into the request.
 template <class Service, class Fill>
 Result<std::string> call(const CallRequest& asked, const Fill& fill) {
-  const auto participant = idl::Participant::join(asked.network);
+  const auto names = namespace_of(asked.dds);
+  if (!names) return tl::unexpected(names.error());
+  const auto participant = idl::Participant::join(asked.dds.network);
   if (!participant) return tl::unexpected(participant.error());
-  const std::string name = "slamfuse/" + asked.service;
+  const std::string name = names->resolve("slamfuse/" + asked.service);
   auto client = idl::ServiceClient<Service>::create(*participant, name);
   if (!client) return tl::unexpected(client.error());
   if (!client->wait_for_server(kFindPatience)) {
-    return common::failed(name + ": nobody offers it (is `slamfuse serve` running in this domain and network?)");
+    return common::failed(name +
+                          ": nobody offers it (is `slamfuse serve` running in this domain, network and namespace?)");
   }
   idl::Message<typename Service::Request> request;
   fill(*request);

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/error.hpp"
-#include "idl/domain_settings.hpp"
+#include "service/dds_options.hpp"
 
 namespace slamfuse::service {
 
@@ -12,7 +12,7 @@ namespace slamfuse::service {
 struct CallRequest {
   std::string service;   ///< "save_map", "load_map", "set_mode", "align_now" or "reinitialize_global_localization"
   std::string argument;  ///< load_map: the path; set_mode: the mode; else empty
-  idl::Network network = idl::Network::kLoopback;
+  DdsOptions dds;        ///< network and namespace of the `serve` that is asked
 };
 
 /// Asks a service of a running `serve`, as `ros2 service call` would where ROS is installed. Gives its answer in words.

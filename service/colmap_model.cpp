@@ -63,15 +63,16 @@ ColmapModel colmap_model(const std::map<std::string, common::CameraCalibration>&
   int next_camera = 1;
   for (auto& [name, id] : camera_ids) {
     id = next_camera++;
-    model.cameras += fmt::format("# {} is {}\n", id, name) + camera_line(id, cameras.at(name));
+    model.cameras += fmt::format("# {} is {}\n{}", id, name, camera_line(id, cameras.at(name)));
   }
 
   std::map<std::int64_t, Point> points;
   for (const common::Landmark& landmark : landmarks) points[landmark.id].landmark = &landmark;
 
-  model.images = std::string(kFrame) +
-                 "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME (world to camera)\n"
-                 "# POINTS2D[] as (X, Y, POINT3D_ID)\n";
+  model.images = kFrame;
+  model.images +=
+      "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME (world to camera)\n"
+      "# POINTS2D[] as (X, Y, POINT3D_ID)\n";
   int image_id = 0;
   for (const common::Keyframe& keyframe : keyframes) {
     if (!camera_ids.contains(keyframe.camera)) continue;
@@ -95,7 +96,8 @@ ColmapModel colmap_model(const std::map<std::string, common::CameraCalibration>&
                                 camera_ids.at(keyframe.camera), keyframe.camera, keyframe.stamp, seen);
   }
 
-  model.points = std::string(kFrame) + "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+  model.points = kFrame;
+  model.points += "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
   for (const auto& [id, point] : points) model.points += point_line(id, point);
   return model;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "common/options.hpp"
 #include "idl/domain_settings.hpp"
 #include "idl/ros_graph.hpp"
@@ -12,8 +14,11 @@ namespace slamfuse::service {
 struct DdsOptions {
   idl::Network network = idl::Network::kLoopback;
   idl::RosGraph ros_graph = idl::RosGraph::kFromIron;
+  std::string name_space;
+  bool publish_tf = true;
   double reader_wait = 1.0;
   double linger = 2.0;
+  double leave = 10.0;
   double map_period = 1.0;
   double path_period = 1.0;
   int path_poses = 1000;
@@ -26,10 +31,17 @@ struct DdsOptions {
         "ros_graph", ros_graph,
         {{"iron", idl::RosGraph::kFromIron}, {"humble", idl::RosGraph::kUpToHumble}, {"none", idl::RosGraph::kNone}},
         "Shown as a node in ROS 2's graph: of Iron and later, of Humble and earlier (they differ), or not.");
+    visit.text("namespace", name_space,
+               "ROS 2 namespace of the node, of what it publishes (but tf and diagnostics), its services and "
+               "initialpose, such as /laser: for several processes beside each other. Inputs are named by --topic.");
+    visit.flag("publish_tf", publish_tf, "Publishes the transform map -> odom; off where another process does.");
     visit.real("reader_wait", reader_wait, {0.0, 60.0}, "s",
                "At most so long the run waits for somebody to listen before it starts.");
     visit.real("linger", linger, {0.0, 60.0}, "s",
                "At most so long the run waits at its end until every listener has everything.");
+    visit.real(
+        "leave", leave, {1.0, 600.0}, "s",
+        "`serve`: when everything is saved and DDS hangs, the process ends with an error so long after `linger`.");
     visit.real("map_period", map_period, {0.5, 3600.0}, "s", "Least time between two maps; the last one always goes.");
     visit.real("path_period", path_period, {0.5, 3600.0}, "s",
                "Least time between two publications of a path; the last one always goes.");

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "fusion/fused_map.hpp"
-#include "idl/writer.hpp"
-#include "service/deadline.hpp"
+#include "fusion/measurement_model.hpp"
+#include "service/external_poses.hpp"
 #include "service/rate_limit.hpp"
 #include "service/ros_conversion.hpp"
 #include "service/ros_frames.hpp"
@@ -23,7 +23,6 @@ using common::PoseSource;
 struct DdsPublisher::State {
   // A path as far as it was told.
   struct LivePath {
-    idl::Writer<idl::Path> writer;
     RateLimit limit;
     std::uint32_t epoch = 0;
     ThinnedSeries<common::StampedPose2> path;
@@ -31,16 +30,12 @@ struct DdsPublisher::State {
 
   DdsOptions options;
   CurrentAlignment current_alignment;
-  idl::Participant participant;
-  idl::Writer<idl::PoseWithCovarianceStamped> pose;
-  idl::Writer<idl::TFMessage> transform;
-  idl::Writer<idl::OccupancyGrid> map;
-  idl::Writer<idl::PointCloud2> landmarks;
-  idl::Writer<idl::FusionStatus> status;
+  std::shared_ptr<DdsOutputs> outputs;
   std::map<PoseSource, LivePath> paths = {};
   RateLimit map_limit;
   std::map<PoseSource, fusion::StatusEntry> latest_status = {};
   common::Nanoseconds newest_stamp = 0;
+  std::optional<common::PoseEstimate> corrected = {};  // in the map frame, the newest
   UnsentMessages unsent = {};
 
   template <class T>
@@ -49,7 +44,8 @@ struct DdsPublisher::State {
   }
 
   void send_path(PoseSource source, common::Nanoseconds stamp, const common::Trajectory2& path) {
-    send(paths.at(source).writer, to_ros_path({stamp, kMapFrame}, path, static_cast<std::size_t>(options.path_poses)));
+    send(outputs->paths.at(source),
+         to_ros_path({stamp, kMapFrame}, path, static_cast<std::size_t>(options.path_poses)));
   }
 
   void extend_path(const common::PoseEstimate& estimate) {
@@ -58,58 +54,21 @@ struct DdsPublisher::State {
     live.epoch = estimate.map_epoch;
     live.path.push({estimate.stamp, estimate.pose});
   }
-
-  template <class Wait>
-  void for_each_writer(const Wait& wait) const {
-    wait(pose);
-    wait(transform);
-    wait(map);
-    wait(landmarks);
-    wait(status);
-    for (const auto& [source, live] : paths) wait(live.writer);
-  }
 };
 
-common::Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const idl::Participant& participant,
-                                                                   const DdsOptions& options,
-                                                                   CurrentAlignment current_alignment) {
-  auto pose =
-      idl::Writer<idl::PoseWithCovarianceStamped>::create(participant, "slamfuse/pose", idl::QosProfile::kOutput);
-  if (!pose) return tl::unexpected(pose.error());
-  auto transform = idl::Writer<idl::TFMessage>::create(participant, "tf", idl::QosProfile::kOutput);
-  if (!transform) return tl::unexpected(transform.error());
-  auto map = idl::Writer<idl::OccupancyGrid>::create(participant, "map", idl::QosProfile::kLatchedOutput);
-  if (!map) return tl::unexpected(map.error());
-  auto landmarks = idl::Writer<idl::PointCloud2>::create(participant, "slamfuse/landmarks", idl::QosProfile::kOutput);
-  if (!landmarks) return tl::unexpected(landmarks.error());
-  auto status = idl::Writer<idl::FusionStatus>::create(participant, "slamfuse/status", idl::QosProfile::kOutput);
-  if (!status) return tl::unexpected(status.error());
-
-  auto state = std::make_unique<State>(State{.options = options,
-                                             .current_alignment = std::move(current_alignment),
-                                             .participant = participant,
-                                             .pose = *std::move(pose),
-                                             .transform = *std::move(transform),
-                                             .map = *std::move(map),
-                                             .landmarks = *std::move(landmarks),
-                                             .status = *std::move(status),
-                                             .map_limit = RateLimit(options.map_period)});
+DdsPublisher::DdsPublisher(std::shared_ptr<DdsOutputs> outputs, const DdsOptions& options,
+                           CurrentAlignment current_alignment)
+    : state_(std::make_unique<State>(State{.options = options,
+                                           .current_alignment = std::move(current_alignment),
+                                           .outputs = std::move(outputs),
+                                           .map_limit = RateLimit(options.map_period)})) {
   const std::size_t kept = 2 * static_cast<std::size_t>(options.path_poses);  // thinned again when sent
-  for (const PoseSource source : {PoseSource::kLaser, PoseSource::kVisual, PoseSource::kFused}) {
-    auto path = idl::Writer<idl::Path>::create(participant, "slamfuse/path/" + common::to_string(source),
-                                               idl::QosProfile::kOutput);
-    if (!path) return tl::unexpected(path.error());
-    state->paths.emplace(source, State::LivePath{*std::move(path), RateLimit(options.path_period), 0,
-                                                 ThinnedSeries<common::StampedPose2>(kept)});
+  for (const auto& [source, writer] : state_->outputs->paths) {
+    state_->paths.emplace(
+        source, State::LivePath{RateLimit(options.path_period), 0, ThinnedSeries<common::StampedPose2>(kept)});
   }
-
-  const Deadline deadline(options.reader_wait);
-  state->pose.wait_for_reader(deadline.left());
-  state->transform.wait_for_reader(deadline.left());
-  return std::unique_ptr<DdsPublisher>(new DdsPublisher(std::move(state)));
 }
 
-DdsPublisher::DdsPublisher(std::unique_ptr<State> state) : state_(std::move(state)) {}
 DdsPublisher::~DdsPublisher() = default;
 
 void DdsPublisher::on_estimate(const common::PoseEstimate& estimate) {
@@ -128,20 +87,42 @@ void DdsPublisher::on_estimate(const common::PoseEstimate& estimate) {
 
 void DdsPublisher::on_corrected_pose(const fusion::CorrectedPose& pose) {
   const common::PoseEstimate& estimate = pose.estimate;
+  // tf listeners ignore a stamp that repeats, with a warning, and other systems refuse one that steps back.
+  if (state_->corrected && estimate.stamp <= state_->corrected->stamp) return;
+  state_->corrected = estimate;
   state_->newest_stamp = estimate.stamp;
   const RosHeader header{estimate.stamp, kMapFrame};
-  state_->send(state_->pose, to_ros_pose(header, estimate.pose, estimate.covariance));
-  state_->send(state_->transform, to_ros_transform(header, kOdomFrame, pose.T_map_odom));
+  state_->send(state_->outputs->pose, to_ros_pose(header, estimate.pose, estimate.covariance));
+  if (auto& transform = state_->outputs->transform) {
+    state_->send(*transform, to_ros_transform(header, kOdomFrame, pose.T_map_odom));
+  }
   state_->extend_path(estimate);
   State::LivePath& live = state_->paths.at(PoseSource::kFused);
   if (live.limit.due()) state_->send_path(PoseSource::kFused, estimate.stamp, live.path.items());
+}
+
+void DdsPublisher::on_event(const common::Event& event) {
+  if (event.kind != kRestarted || !state_->corrected) return;
+  const common::SetPose here{state_->corrected->pose, state_->corrected->covariance};
+  if (event.module == common::to_string(PoseSource::kLaser)) return on_command(PoseSource::kLaser, here);
+  const auto alignment = state_->current_alignment();
+  if (!alignment || !alignment->accepted) return;
+  const auto visual = fusion::visual_pose({here.pose, here.covariance}, *alignment);
+  on_command(PoseSource::kVisual, common::SetPose{visual.pose, visual.covariance});
+}
+
+void DdsPublisher::on_command(PoseSource target, const common::Command& command) {
+  const auto told = state_->outputs->initial_poses.find(target);
+  const auto* set_pose = std::get_if<common::SetPose>(&command);
+  if (told == state_->outputs->initial_poses.end() || set_pose == nullptr) return;
+  state_->send(told->second, to_ros_pose({state_->newest_stamp, kMapFrame}, set_pose->pose, set_pose->covariance));
 }
 
 void DdsPublisher::on_status(const fusion::StatusEntry& status) {
   state_->latest_status[status.source] = status;
   std::vector<fusion::StatusEntry> latest;
   for (const auto& [source, entry] : state_->latest_status) latest.push_back(entry);
-  state_->send(state_->status, to_ros_status({status.stamp, kMapFrame}, latest));
+  state_->send(state_->outputs->status, to_ros_status({status.stamp, kMapFrame}, latest));
 }
 
 void DdsPublisher::on_checkpoint(PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) {
@@ -149,18 +130,16 @@ void DdsPublisher::on_checkpoint(PoseSource source, const std::shared_ptr<const 
   const auto alignment = state_->current_alignment();
   if (!alignment || !alignment->accepted) return;
   const auto landmarks = fusion::to_laser_frame(checkpoint->landmarks, *alignment);
-  state_->send(state_->landmarks, to_ros_cloud({state_->newest_stamp, kMapFrame}, landmarks));
+  state_->send(state_->outputs->landmarks, to_ros_cloud({state_->newest_stamp, kMapFrame}, landmarks));
 }
 
 void DdsPublisher::on_map(common::Nanoseconds stamp, const std::shared_ptr<const common::OccupancyGrid>& map) {
-  if (map && state_->map_limit.due()) state_->send(state_->map, to_ros_grid({stamp, kMapFrame}, *map));
+  if (map && state_->map_limit.due()) state_->send(state_->outputs->map, to_ros_grid({stamp, kMapFrame}, *map));
 }
 
-double DdsPublisher::linger() const { return state_->options.linger; }
-
-void DdsPublisher::finish(const DdsFinalState& final_state, double patience) {
+void DdsPublisher::finish(const DdsFinalState& final_state) {
   const RosHeader header{state_->newest_stamp, kMapFrame};
-  if (final_state.map) state_->send(state_->map, to_ros_grid(header, *final_state.map));
+  if (final_state.map) state_->send(state_->outputs->map, to_ros_grid(header, *final_state.map));
   const std::pair<PoseSource, const common::Trajectory2&> paths[] = {{PoseSource::kLaser, final_state.laser},
                                                                      {PoseSource::kVisual, final_state.visual},
                                                                      {PoseSource::kFused, final_state.fused}};
@@ -168,10 +147,8 @@ void DdsPublisher::finish(const DdsFinalState& final_state, double patience) {
     if (!path.empty()) state_->send_path(source, header.stamp, path);
   }
   if (!final_state.landmarks.empty()) {
-    state_->send(state_->landmarks, to_ros_cloud(header, final_state.landmarks));
+    state_->send(state_->outputs->landmarks, to_ros_cloud(header, final_state.landmarks));
   }
-  const Deadline deadline(patience);
-  state_->for_each_writer([&](const auto& writer) { writer.wait_for_acknowledgments(deadline.left()); });
 }
 
 const UnsentMessages& DdsPublisher::unsent() const { return state_->unsent; }

@@ -7,13 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "common/error.hpp"
 #include "common/landmark.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/trajectory.hpp"
 #include "fusion/alignment.hpp"
-#include "idl/participant.hpp"
 #include "service/dds_options.hpp"
+#include "service/dds_outputs.hpp"
 #include "service/pipeline_observer.hpp"
 #include "service/unsent_messages.hpp"
 
@@ -37,30 +36,29 @@ class DdsPublisher : public PipelineObserver {
   /// from within the observer's calls.
   using CurrentAlignment = std::function<std::optional<fusion::Alignment>()>;
 
-  /// Waits for listeners as the options say. Error (kFailed): DDS makes no writer.
-  static common::Result<std::unique_ptr<DdsPublisher>> create(const idl::Participant& participant,
-                                                              const DdsOptions& options,
-                                                              CurrentAlignment current_alignment);
+  /// `outputs` may have served another session before.
+  DdsPublisher(std::shared_ptr<DdsOutputs> outputs, const DdsOptions& options, CurrentAlignment current_alignment);
   ~DdsPublisher() override;
 
   void on_estimate(const common::PoseEstimate& estimate) override;
+  /// Stamps of `slamfuse/pose` and `tf` rise: what comes late, or corrects a pose of the same stamp, is in the next.
   void on_corrected_pose(const fusion::CorrectedPose& pose) override;
+  /// A system in the place of a half that was started again in the map it had is told where it is.
+  void on_event(const common::Event& event) override;
+  /// A pose that a system in the place of a half is told.
+  void on_command(common::PoseSource target, const common::Command& command) override;
   void on_status(const fusion::StatusEntry& status) override;
   /// Landmarks, when they are aligned.
   void on_checkpoint(common::PoseSource source, const std::shared_ptr<const ModuleCheckpoint>& checkpoint) override;
   void on_map(common::Nanoseconds stamp, const std::shared_ptr<const common::OccupancyGrid>& map) override;
 
-  /// Publishes the outcome and waits until the listeners have it, as long as the options allow.
-  void finish(const DdsFinalState& state) { finish(state, linger()); }
-  /// The same, waiting so long [s] at most.
-  void finish(const DdsFinalState& state, double patience);
+  /// Publishes the outcome; whether listeners have it, DdsOutputs knows.
+  void finish(const DdsFinalState& state);
 
   const UnsentMessages& unsent() const;
 
  private:
-  double linger() const;
   struct State;
-  explicit DdsPublisher(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

@@ -32,7 +32,7 @@ bool sleep(const std::stop_token& done) {
 }  // namespace
 
 common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::start(
-    const idl::Participant& participant, idl::GraphPresence presence, const LiveSource& source,
+    const idl::Participant& participant, idl::GraphPresence presence, const std::string& node, const LiveSource& source,
     const std::function<void(const std::string&)>& tell) {
   auto made = idl::Writer<idl::DiagnosticArray>::create(participant, "diagnostics", idl::QosProfile::kOutput);
   if (!made) return tl::unexpected(made.error());
@@ -40,7 +40,7 @@ common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::star
   if (!outputs) return tl::unexpected(outputs.error());
 
   std::unique_ptr<DiagnosticsPublisher> publisher(new DiagnosticsPublisher);
-  publisher->thread_ = std::jthread([&source, tell, writer = *std::move(made), outputs = *std::move(outputs),
+  publisher->thread_ = std::jthread([&source, tell, node, writer = *std::move(made), outputs = *std::move(outputs),
                                      presence = std::move(presence)](const std::stop_token& done) mutable {
     InputDiagnostics diagnostics;
     std::map<std::pair<Direction, std::string>, DiagnosisLevel> told;
@@ -49,7 +49,7 @@ common::Result<std::unique_ptr<DiagnosticsPublisher>> DiagnosticsPublisher::star
       auto diagnoses = diagnostics.look(source.inputs(), std::chrono::steady_clock::now());
       std::ranges::move(diagnose_outputs(outputs.look()), std::back_inserter(diagnoses));
       // A failure to send is no news: a reader that does not keep up misses a second.
-      static_cast<void>(writer.write(to_ros_diagnostics(clock_now(), diagnoses)));
+      static_cast<void>(writer.write(to_ros_diagnostics(clock_now(), node, diagnoses)));
       for (const Diagnosis& diagnosis : diagnoses) {
         const auto before = std::exchange(told[{diagnosis.direction, diagnosis.topic}], diagnosis.level);
         const std::string which = diagnosis.direction == Direction::kOutput ? "output " : "";

@@ -103,7 +103,7 @@ std::vector<Diagnosis> InputDiagnostics::look(const std::vector<InputState>& inp
   return diagnoses;
 }
 
-idl::Message<idl::DiagnosticArray> to_ros_diagnostics(common::Nanoseconds stamp,
+idl::Message<idl::DiagnosticArray> to_ros_diagnostics(common::Nanoseconds stamp, const std::string& node,
                                                       const std::vector<Diagnosis>& diagnoses) {
   idl::Message<idl::DiagnosticArray> message;
   message->header.stamp = to_ros_time(stamp);
@@ -113,9 +113,9 @@ idl::Message<idl::DiagnosticArray> to_ros_diagnostics(common::Nanoseconds stamp,
     const Diagnosis& diagnosis = diagnoses[i];
     idl::DiagnosticStatus& status = message->status._buffer[i];
     status.level = static_cast<std::uint8_t>(diagnosis.level);
-    idl::assign(status.name, "slamfuse: " + to_string(diagnosis.direction) + " " + diagnosis.topic);
+    idl::assign(status.name, node + ": " + to_string(diagnosis.direction) + " " + diagnosis.topic);
     idl::assign(status.message, diagnosis.message);
-    idl::assign(status.hardware_id, "slamfuse");
+    idl::assign(status.hardware_id, node);
     idl::allocate(status.values, diagnosis.values.size());
     for (std::size_t k = 0; k < diagnosis.values.size(); ++k) {
       idl::assign(status.values._buffer[k].key, diagnosis.values[k].first);

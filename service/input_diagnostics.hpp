@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "idl/message.hpp"
-#include "service/live_source.hpp"
+#include "service/input_state.hpp"
 
 namespace slamfuse::service {
 
@@ -50,8 +50,8 @@ class InputDiagnostics {
   std::map<std::string, Seen> seen_;  // by topic
 };
 
-/// The verdicts as diagnostic_msgs/DiagnosticArray, stamped [ns] by the clock.
-idl::Message<idl::DiagnosticArray> to_ros_diagnostics(common::Nanoseconds stamp,
+/// The verdicts of a node as diagnostic_msgs/DiagnosticArray, stamped [ns] by the clock.
+idl::Message<idl::DiagnosticArray> to_ros_diagnostics(common::Nanoseconds stamp, const std::string& node,
                                                       const std::vector<Diagnosis>& diagnoses);
 
 }  // namespace slamfuse::service

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <functional>
 #include <map>
 #include <memory>
@@ -14,47 +13,25 @@
 #include "common/error.hpp"
 #include "common/recording.hpp"
 #include "idl/participant.hpp"
+#include "service/input_state.hpp"
+#include "service/live_inbox.hpp"
+#include "service/odometry_guard.hpp"
 
 namespace slamfuse::service {
 
 /// What a live source listens to.
 struct LiveSourceOptions {
-  /// Topics by sensor name, `laser_pose` and `visual_pose` being the poses of other SLAM systems in the place of a
-  /// half; empty: `scan`, `odom` and `cam0/image_raw` to `cam3/image_raw`, raw or compressed, of which those take part
-  /// that are heard. Topics given here must all be heard before it starts.
-  std::map<std::string, std::string> topics;
-  bool lasers = true;   ///< false: default topics without `scan`
-  bool cameras = true;  ///< false: default topics without cameras
+  /// Of the default topics those take part that are heard; topics given must all be heard before it starts.
+  LiveInboxOptions inbox;
   std::string base_frame = "base_link";
   std::map<std::string, double> readout;  ///< of a camera's rolling shutter [s], which camera_info cannot tell
   double settle = 0.5;                    ///< [s] after the last sensor appeared, for others to appear
-  std::size_t queue_capacity = 256;       ///< messages that may wait; more are dropped and counted
-  std::size_t queue_memory = std::size_t{1} << 28;  ///< [bytes] that they may take together; likewise
-};
-
-/// How a topic fares.
-struct InputState {
-  std::string sensor;  ///< empty for what belongs to no sensor
-  std::string topic;
-  std::string type;              ///< "sensor_msgs/msg/LaserScan"
-  bool required = false;         ///< named by the user
-  bool in_use = false;           ///< by a module
-  int writers = 0;               ///< matched
-  std::string incompatible_qos;  ///< the policy that kept a writer from matching; empty: none did
-  std::string other_type;        ///< that somebody publishes under this name while nobody publishes `type`
-  std::size_t received = 0;
-  std::size_t rejected = 0;
-  std::size_t dropped = 0;     ///< the queue was full
-  std::size_t lost = 0;        ///< never arrived, as the transport knows
-  std::string last_rejection;  ///< why
-  std::optional<common::Nanoseconds> last_stamp;
-  std::optional<std::chrono::steady_clock::time_point> last_arrival;
-  std::optional<common::Nanoseconds> clock_offset;  ///< clock at arrival minus stamp, of the last message
+  OdometryLimits odometry;                ///< beyond which it is not believed
 };
 
 /// The robot's topics as a recording that has no end: its messages in the order of arrival, however long ago they were
-/// stamped. Each topic has a thread that does nothing but take messages; they are checked and decoded where next() is
-/// called. Bad messages and stamps that do not rise come as RejectedMessage.
+/// stamped. Messages are taken by the threads of a LiveInbox, checked and decoded where next() is called. Bad messages,
+/// stamps that do not rise and impossible odometry come as RejectedMessage.
 class LiveSource final : public common::Recording {
  public:
   /// Starts to listen. Setting `stop` ends every wait, and the recording. Errors: DDS makes no reader (kFailed), a

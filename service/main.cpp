@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +14,9 @@
 
 #include <fmt/format.h>
 
+#include "common/time.hpp"
 #include "service/command_line.hpp"
+#include "service/forced_end.hpp"
 #include "service/progress_line.hpp"
 #include "service/run_command.hpp"
 
@@ -53,6 +56,15 @@ void install_signal_handlers() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is an error of write(), like a full disk
 }
 
+/// Nothing is left to do but to leave DDS, where a thread of the library may hang for ever.
+void leave_within(double seconds, const Result<std::string>& outcome) {
+  service::force_end(
+      std::chrono::nanoseconds(slamfuse::common::from_seconds(seconds)),
+      fmt::format("{}\nslamfuse: DDS hangs; ended {:.0f} s after everything was saved (service.dds.linger and leave)\n",
+                  outcome ? *outcome : "slamfuse: " + outcome.error().message, seconds),
+      exit_status_of(ErrorKind::kFailed));
+}
+
 /// Carries a request out; the text is for standard output.
 Result<std::string> carry_out(const service::CommandRequest& request) {
   if (const auto* run = std::get_if<service::RunRequest>(&request)) {
@@ -68,7 +80,11 @@ Result<std::string> carry_out(const service::CommandRequest& request) {
     return service::run_record(*record, tell, stop_requested, [] { run_under_way = true; });
   }
   if (const auto* serve = std::get_if<service::ServeRequest>(&request)) {
-    return service::run_serve(*serve, tell, stop_requested, [] { run_under_way = true; });
+    const service::DdsOptions& dds = serve->run.configuration.service.dds;
+    const double patience = dds.linger + dds.leave;
+    return service::run_serve(
+        *serve, tell, stop_requested, [] { run_under_way = true; },
+        [patience](const auto& outcome) { leave_within(patience, outcome); });
   }
   if (const auto* play = std::get_if<service::PlayRequest>(&request)) {
     return service::run_play(*play, stop_requested, [] { run_under_way = true; });

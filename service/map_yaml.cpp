@@ -23,9 +23,13 @@ namespace {
 constexpr const char* kFormat = "slamfuse map";
 constexpr int kFormatVersion = 1;
 
-/// All digits, so that a reader gets the same number back.
 constexpr double kSavedVariance = 0.02 * 0.02;  // [m^2] of a saved mapping's translation, whose own is not in the file
 
+// What a mapping is taken to be off by where its map does not say.
+constexpr double kUnknownError = 0.05;         // [m]
+constexpr double kUnknownHeadingError = 0.02;  // [rad]
+
+/// All digits, so that a reader gets the same number back.
 std::string row_major(const Eigen::Matrix4d& matrix) {
   std::string text = "[";
   for (int i = 0; i < 16; ++i) text += fmt::format("{}{}", i == 0 ? "" : ", ", matrix(i / 4, i % 4));
@@ -77,6 +81,10 @@ void emit_links(std::string& yaml, const MapBundle& bundle) {
       "    mean_scale: {}\n    heading_offset: {}\n",
       alignment.accepted ? "accepted" : "refused", quoted(alignment.reason), to_string(alignment.method),
       alignment.mean_scale, alignment.heading_offset);
+  if (alignment.accepted) {
+    yaml += fmt::format("    heldout_rmse: {}\n    forward_rmse: {}\n    heading_rmse: {}\n", alignment.heldout_rmse,
+                        alignment.forward_rmse, alignment.heading_rmse);
+  }
   for (const auto& [name, matrix] : matrices) yaml += fmt::format("    {}: {}\n", name, row_major(matrix));
 }
 
@@ -104,6 +112,14 @@ std::uint32_t parse_crc(const std::string& text) {
   return value;
 }
 
+double saved_error(const YAML::Node& link, const char* key) {
+  const auto value = link[key].as<double>();
+  if (!(value >= 0.0) || !std::isfinite(value)) {
+    throw YAML::Exception(link[key].Mark(), fmt::format("{}: {} is no error in metres or radians", key, value));
+  }
+  return value;
+}
+
 /// What a link says of the alignment, which was accepted.
 fusion::Alignment alignment_of(const YAML::Node& link) {
   const auto numbers = link["G_LV"].as<std::vector<double>>();
@@ -124,6 +140,17 @@ fusion::Alignment alignment_of(const YAML::Node& link) {
   alignment.scale_along_laser_axes = parts.scale_along_target_axes;
   alignment.mean_scale = parts.mean_scale;
   alignment.rotation_deg = common::to_degrees(parts.rotation);
+  // Not known of a map from before these were saved.
+  alignment.heldout_rmse = kUnknownError;
+  alignment.heading_rmse = kUnknownHeadingError;
+  if (link["heldout_rmse"]) {
+    alignment.heldout_rmse = saved_error(link, "heldout_rmse");
+    alignment.forward_rmse = saved_error(link, "forward_rmse");
+    alignment.heading_rmse = saved_error(link, "heading_rmse");
+  }
+  if (link["method"].as<std::string>() == to_string(fusion::AlignmentMethod::kRigid)) {
+    alignment.method = fusion::AlignmentMethod::kRigid;
+  }
   alignment.covariance.bottomRightCorner<2, 2>() = kSavedVariance * Eigen::Matrix2d::Identity();
   return alignment;
 }

@@ -59,7 +59,7 @@ void MergeStage::fuse(const MergedStep& step, const Input& input) {
 void MergeStage::tell(const MergedStep& step, const fusion::FusionOutput& output) {
   for (const auto& event : output.events) observer_.on_event(event);
   for (const auto& status : output.status) observer_.on_status(status);
-  for (const auto& command : output.commands) commands_.issue(step, command.target, command.command);
+  for (const auto& command : output.commands) issue(step, command.target, command.command);
   if (output.pose) {
     ++counters_.poses;
     observer_.on_corrected_pose(*output.pose);
@@ -67,16 +67,16 @@ void MergeStage::tell(const MergedStep& step, const fusion::FusionOutput& output
 }
 
 PipelineRequests::Answer MergeStage::carry_out(const MergedStep& step, const PlaceRobot& request) {
-  commands_.issue(step, PoseSource::kLaser, request.at);
+  issue(step, PoseSource::kLaser, request.at);
   const auto& alignment = fusion_.alignment();
   if (!alignment || !alignment->accepted) return std::string("the laser half is told; the visual map is not aligned");
   const auto visual = fusion::visual_pose({request.at.pose, request.at.covariance}, *alignment);
-  commands_.issue(step, PoseSource::kVisual, common::SetPose{visual.pose, visual.covariance});
+  issue(step, PoseSource::kVisual, common::SetPose{visual.pose, visual.covariance});
   return std::string("both halves are told");
 }
 
 PipelineRequests::Answer MergeStage::carry_out(const MergedStep& step, const SearchMap& /*request*/) {
-  commands_.issue(step, PoseSource::kLaser, common::Relocalise{});
+  issue(step, PoseSource::kLaser, common::Relocalise{});
   return std::string("the laser half searches its whole map");
 }
 
@@ -87,6 +87,11 @@ PipelineRequests::Answer MergeStage::carry_out(const MergedStep& step, const Ali
   if (!alignment->accepted) return common::failed("the alignment was refused: " + alignment->reason);
   return fmt::format("aligned: scale {:.4f}, rotation {:.2f} deg, rmse {:.3f} m over {} pairs", alignment->mean_scale,
                      alignment->rotation_deg, alignment->rmse, alignment->pairs);
+}
+
+void MergeStage::issue(const MergedStep& step, PoseSource target, const common::Command& command) {
+  commands_.issue(step, target, command);
+  observer_.on_command(target, command);
 }
 
 void MergeStage::tell_rejected(const common::RejectedMessage& message) {

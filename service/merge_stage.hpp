@@ -39,6 +39,7 @@ class MergeStage {
   PipelineRequests::Answer carry_out(const MergedStep& step, const PlaceRobot& request);
   PipelineRequests::Answer carry_out(const MergedStep& step, const SearchMap& request);
   PipelineRequests::Answer carry_out(const MergedStep& step, const AlignNow& request);
+  void issue(const MergedStep& step, common::PoseSource target, const common::Command& command);
   void tell_rejected(const common::RejectedMessage& message);
 
   FusionStage& fusion_;

@@ -65,9 +65,11 @@ Json alignment_metrics(const fusion::Alignment& alignment) {
                   {"reason", alignment.reason},
                   {"method", to_string(alignment.method)},
                   {"scale", {number(alignment.scale.x()), number(alignment.scale.y())}},
+                  {"scale_sigma", number(alignment.scale_sigma)},
                   {"rotation_deg", number(alignment.rotation_deg)},
                   {"rmse_m", number(alignment.rmse)},
                   {"heldout_rmse_m", number(alignment.heldout_rmse)},
+                  {"forward_rmse_m", number(alignment.forward_rmse)},
                   {"pairs", alignment.pairs},
                   {"runner_up_ratio", number(alignment.runner_up_ratio)}};
   if (alignment.offsets) metrics["sensor_offsets"] = offsets_metrics(alignment);

@@ -85,18 +85,18 @@ common::Result<Offer<Service>> offer(const idl::Participant& participant, const 
 }  // namespace
 
 common::Result<std::unique_ptr<OperatorServices>> OperatorServices::start(
-    const idl::Participant& participant, OperatorActions& actions,
+    const idl::Participant& participant, const idl::RosNamespace& names, OperatorActions& actions,
     const std::function<void(const std::string&)>& tell) {
-  auto set_mode = offer<idl::SetMode>(participant, "slamfuse/set_mode", [&](const idl::SetMode::Request& request) {
-    return actions.set_mode(idl::text_of(request.mode));
-  });
+  auto set_mode = offer<idl::SetMode>(
+      participant, names.resolve("slamfuse/set_mode"),
+      [&](const idl::SetMode::Request& request) { return actions.set_mode(idl::text_of(request.mode)); });
   if (!set_mode) return tl::unexpected(set_mode.error());
-  auto load_map = offer<idl::LoadMap>(participant, "slamfuse/load_map", [&](const idl::LoadMap::Request& request) {
-    return actions.load_map(idl::text_of(request.path));
-  });
+  auto load_map = offer<idl::LoadMap>(
+      participant, names.resolve("slamfuse/load_map"),
+      [&](const idl::LoadMap::Request& request) { return actions.load_map(idl::text_of(request.path)); });
   if (!load_map) return tl::unexpected(load_map.error());
-  auto initial_pose =
-      idl::Reader<idl::PoseWithCovarianceStamped>::create(participant, "initialpose", idl::QosProfile::kCommandInput);
+  auto initial_pose = idl::Reader<idl::PoseWithCovarianceStamped>::create(participant, names.resolve("initialpose"),
+                                                                          idl::QosProfile::kCommandInput);
   if (!initial_pose) return tl::unexpected(initial_pose.error());
   auto waitset = idl::WaitSet::create(participant);
   if (!waitset) return tl::unexpected(waitset.error());
@@ -107,8 +107,9 @@ common::Result<std::unique_ptr<OperatorServices>> OperatorServices::start(
       {"slamfuse/align_now", &OperatorActions::align_now},
       {"slamfuse/reinitialize_global_localization", &OperatorActions::relocalise}};
   for (const auto& [name, action] : triggers) {
-    auto made = offer<idl::Trigger>(
-        participant, name, [&actions, action = action](const idl::Trigger::Request&) { return (actions.*action)(); });
+    auto made =
+        offer<idl::Trigger>(participant, names.resolve(name),
+                            [&actions, action = action](const idl::Trigger::Request&) { return (actions.*action)(); });
     if (!made) return tl::unexpected(made.error());
     desk->triggers.push_back(*std::move(made));
   }

@@ -10,6 +10,7 @@
 #include "common/error.hpp"
 #include "idl/messages.hpp"
 #include "idl/participant.hpp"
+#include "idl/ros_namespace.hpp"
 
 namespace slamfuse::service {
 
@@ -29,13 +30,14 @@ class OperatorActions {
 };
 
 /// Offers the actions over DDS: services `slamfuse/save_map`, `align_now`, `reinitialize_global_localization`
-/// (std_srvs/srv/Trigger), `set_mode`, `load_map` (slamfuse_msgs/srv), and the topic `initialpose`. A thread of its own
-/// waits for all of them and carries out one after the other.
+/// (std_srvs/srv/Trigger), `set_mode`, `load_map` (slamfuse_msgs/srv), and the topic `initialpose`, all in a namespace.
+/// A thread of its own waits for all of them and carries out one after the other.
 class OperatorServices {
  public:
   /// `actions` must outlive it; `tell` hears what was asked and answered, in the services' thread. Error (kFailed): DDS
   /// makes no endpoint.
   static common::Result<std::unique_ptr<OperatorServices>> start(const idl::Participant& participant,
+                                                                 const idl::RosNamespace& names,
                                                                  OperatorActions& actions,
                                                                  const std::function<void(const std::string&)>& tell);
 

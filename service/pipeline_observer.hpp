@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/command.hpp"
 #include "common/occupancy_grid.hpp"
 #include "common/pose_estimate.hpp"
 #include "common/sensor_message.hpp"
@@ -25,6 +26,8 @@ class PipelineObserver {
   virtual void on_estimate(const common::PoseEstimate& /*estimate*/) {}
   virtual void on_corrected_pose(const fusion::CorrectedPose& /*pose*/) {}
   virtual void on_status(const fusion::StatusEntry& /*status*/) {}
+  /// Asked of a module by the fusion or an operator; told when it is issued.
+  virtual void on_command(common::PoseSource /*target*/, const common::Command& /*command*/) {}
   virtual void on_event(const common::Event& /*event*/) {}
   /// What a module knows now, every PipelineOptions::checkpoint_interval.
   virtual void on_checkpoint(common::PoseSource /*source*/,
@@ -52,6 +55,9 @@ class ObserverList : public PipelineObserver {
   }
   void on_status(const fusion::StatusEntry& status) override {
     for (auto* observer : observers_) observer->on_status(status);
+  }
+  void on_command(common::PoseSource target, const common::Command& command) override {
+    for (auto* observer : observers_) observer->on_command(target, command);
   }
   void on_event(const common::Event& event) override {
     for (auto* observer : observers_) observer->on_event(event);

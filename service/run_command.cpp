@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 #include "service/dds_publisher.hpp"
@@ -14,13 +15,17 @@
 namespace slamfuse::service {
 namespace {
 
-/// The publisher `--dds` asks for; none otherwise.
-common::Result<std::unique_ptr<DdsPublisher>> make_publisher(const RunRequest& request, const RunSession& session) {
-  if (!request.dds) return std::unique_ptr<DdsPublisher>();
+/// What `--dds` asks for; nothing otherwise. Waits for listeners as the options say.
+common::Result<std::shared_ptr<DdsOutputs>> make_outputs(const RunRequest& request) {
+  if (!request.dds) return std::shared_ptr<DdsOutputs>();
   const DdsOptions& options = request.configuration.service.dds;
+  const auto names = namespace_of(options);
+  if (!names) return tl::unexpected(names.error());
   const auto participant = idl::Participant::join(options.network);
   if (!participant) return tl::unexpected(participant.error());
-  return DdsPublisher::create(*participant, options, [&session] { return session.alignment(); });
+  auto outputs = DdsOutputs::create(*participant, *names, options.publish_tf);
+  if (outputs) (*outputs)->wait_for_listeners(options.reader_wait);
+  return outputs;
 }
 
 }  // namespace
@@ -37,15 +42,19 @@ common::Result<std::string> run_recording(const RunRequest& request, PipelineObs
   const auto folder = OutputFolder::create(request.out, ResultKind::kRun);
   if (!folder) return tl::unexpected(folder.error());
 
-  const auto publisher = make_publisher(request, *session);
-  if (!publisher) return tl::unexpected(publisher.error());
+  const auto outputs = make_outputs(request);
+  if (!outputs) return tl::unexpected(outputs.error());
+  std::optional<DdsPublisher> publisher;
+  if (*outputs) {
+    publisher.emplace(*outputs, request.configuration.service.dds, [&session] { return session->alignment(); });
+  }
 
   ObserverList observers;
-  if (*publisher) observers.add(**publisher);
+  if (publisher) observers.add(*publisher);
   if (progress != nullptr) observers.add(*progress);
   auto summary = session->run(&observers, stop);
   if (!summary) return tl::unexpected(summary.error());
-  if (*publisher) tell_failures(**publisher, *summary);
+  if (publisher) tell_failures(*publisher, *summary);
 
   auto done = write_run_files(*summary, **folder);
   if (done) done = (*folder)->publish();
@@ -54,7 +63,10 @@ common::Result<std::string> run_recording(const RunRequest& request, PipelineObs
     return tl::unexpected(common::Error{common::ErrorKind::kInterrupted,
                                         "interrupted; what was computed so far is in " + (*folder)->path().string()});
   }
-  if (*publisher) (*publisher)->finish(final_state_of(*summary));
+  if (publisher) {
+    publisher->finish(final_state_of(*summary));
+    (*outputs)->wait_for_acknowledgments(request.configuration.service.dds.linger);
+  }
   if (!has_pose(*summary)) {
     return common::failed("no module could make a pose of this recording; see the events in " +
                           ((*folder)->path() / "metrics.json").string());

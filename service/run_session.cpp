@@ -137,7 +137,7 @@ common::Result<void> RunSession::make_parts() {
   fusion::FusionOptions options = request_.configuration.fusion;
   if (laser() == nullptr) options.supervision.visual_only_after = 0.0;  // there is no laser to wait for
   if (free_scale().contains("visual")) options.supervision.visual_scale_drifts = true;
-  auto fusion = fusion::Fusion::create(options);
+  auto fusion = fusion::Fusion::create(options, most_kept());
   if (!fusion) return tl::unexpected(fusion.error());
   fusion_ = std::move(*fusion);
   if (saved_alignment_) fusion_->assume(*saved_alignment_);
@@ -159,7 +159,7 @@ common::Result<void> RunSession::make_laser() {
   if (request_.mode == RunMode::kLocalization) return make_localization(lasers.front());
   auto laser = laser_slam::LaserSlam::create(request_.configuration.laser, lasers.front(),
                                              recording().calibration.lasers.at(lasers.front()), request_.seed,
-                                             useful_threads(request_));
+                                             useful_threads(request_), most_kept());
   if (!laser) return tl::unexpected(laser.error());
   laser_ = std::move(*laser);
   return {};
@@ -168,8 +168,9 @@ common::Result<void> RunSession::make_laser() {
 common::Result<void> RunSession::make_localization(const std::string& sensor) {
   auto map = read_localization_map(*request_.map);
   if (!map) return tl::unexpected(map.error());
-  auto localization = laser_slam::LaserLocalization::create(
-      request_.configuration.laser, sensor, recording().calibration.lasers.at(sensor), *map, request_.seed);
+  auto localization = laser_slam::LaserLocalization::create(request_.configuration.laser, sensor,
+                                                            recording().calibration.lasers.at(sensor), *map,
+                                                            request_.seed, most_kept());
   if (!localization) return tl::unexpected(localization.error());
   localization_ = std::move(*localization);
   localization_state_ = std::move(map->laser_state);
@@ -197,8 +198,8 @@ common::Result<void> RunSession::make_visual() {
   for (const auto& name : request_.cameras.empty() ? cameras : request_.cameras) {
     cameras_.emplace(name, recording().calibration.cameras.at(name));
   }
-  auto visual =
-      visual_slam::VisualSlam::create(request_.configuration.visual, cameras_, request_.seed, useful_threads(request_));
+  auto visual = visual_slam::VisualSlam::create(request_.configuration.visual, cameras_, request_.seed,
+                                                useful_threads(request_), most_kept());
   if (!visual) return tl::unexpected(visual.error());
   visual_ = std::move(*visual);
   return {};
@@ -238,9 +239,7 @@ common::Result<void> RunSession::restore_visual_map(const LoadedMapBundle& bundl
 common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std::atomic<bool>& stop,
                                            PipelineRequests* requests) {
   const ServiceOptions& service = request_.configuration.service;
-  const std::size_t most_kept =
-      request_.live ? static_cast<std::size_t>(service.live_history) : ThinnedSeries<int>::kAll;
-  RunRecorder recorder(most_kept);
+  RunRecorder recorder(most_kept());
   Span span;
   ObserverList observers;
   observers.add(recorder);
@@ -257,7 +256,7 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   if (external_visual_) parts.modules.push_back({external_visual_.get()});
 
   PipelineOptions options;
-  options.most_kept = most_kept;
+  options.most_kept = most_kept();
   options.threads = request_.threads;
   options.queue_capacity = static_cast<std::size_t>(service.queue_capacity);
   options.command_delay = service.command_delay;
@@ -287,6 +286,10 @@ common::Result<RunSummary> RunSession::run(PipelineObserver* observer, const std
   summary.peak_rss_mb = peak_rss_mb();
   if (auto judged = judge(request_, free_scale(), summary); !judged) return tl::unexpected(judged.error());
   return summary;
+}
+
+std::size_t RunSession::most_kept() const {
+  return request_.live ? static_cast<std::size_t>(request_.configuration.service.live_history) : common::kKeepAll;
 }
 
 std::set<PoseSource> RunSession::map_makers() const {

@@ -65,6 +65,8 @@ class RunSession {
   bool has_laser_map() const { return laser_ || localization_; }
   /// The poses of another system on this sensor, if the recording has them.
   std::unique_ptr<ExternalPoses> external(const std::string& sensor) const;
+  /// How much of what grows with time is kept: of a recording, all.
+  std::size_t most_kept() const;
   common::OccupancyGrid grid() const;
   ModuleCheckpoint laser_checkpoint() const;
   ModuleCheckpoint visual_checkpoint() const;

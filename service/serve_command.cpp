@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "service/dds_outputs.hpp"
 #include "service/dds_publisher.hpp"
 #include "service/diagnostics_publisher.hpp"
 #include "service/map_saver.hpp"
@@ -23,10 +24,10 @@ namespace slamfuse::service {
 namespace {
 
 using common::Result;
-using Tell = std::function<void(const std::string&)>;
+/// In ROS 2's graph.
+const char* const kNodeName = "slamfuse";
 
-/// At most so long [s] a session waits at its end for its listeners, when another one follows.
-constexpr double kLingerBetween = 0.2;
+using Tell = std::function<void(const std::string&)>;
 
 /// The live source as one session's recording: the source outlives the session.
 class BorrowedSource final : public common::Recording {
@@ -70,32 +71,35 @@ bool wants(const RunRequest& run, const std::string& module) {
 /// From one set of modules to their results in the output folder.
 class Session {
  public:
-  Session(const idl::Participant& participant, ServeControl& control, const RunRequest& request, const Tell& tell,
-          const std::atomic<bool>& stop)
-      : participant_(participant), control_(control), request_(request), tell_(tell), stop_(stop) {}
+  /// `on_written` hears that the results are in the output folder, before they are told over DDS.
+  Session(std::shared_ptr<DdsOutputs> outputs, ServeControl& control, const RunRequest& request, const Tell& tell,
+          OnSaved on_written)
+      : outputs_(std::move(outputs)),
+        control_(control),
+        request_(request),
+        tell_(tell),
+        on_written_(std::move(on_written)) {}
 
   Result<std::string> run(LiveSource& source) {
     auto session = RunSession::create(request_, std::make_unique<BorrowedSource>(source));
     if (!session) return tl::unexpected(session.error());
     const auto folder = OutputFolder::create(request_.out, ResultKind::kRun);
     if (!folder) return tl::unexpected(folder.error());
-    DdsOptions dds = request_.configuration.service.dds;
-    dds.reader_wait = 0.0;  // a service does not wait for its listeners
-    const auto publisher = DdsPublisher::create(participant_, dds, [&session] { return session->alignment(); });
-    if (!publisher) return tl::unexpected(publisher.error());
+    DdsPublisher publisher(outputs_, request_.configuration.service.dds, [&session] { return session->alignment(); });
 
     started_ = true;
-    auto summary = run(*session, **publisher, (*folder)->path());
+    auto summary = run(*session, publisher, (*folder)->path());
     if (!summary) return tl::unexpected(summary.error());
-    tell_failures(**publisher, *summary);
+    tell_failures(publisher, *summary);
     auto done = write_run_files(*summary, **folder);
     if (done) done = (*folder)->publish();
     if (!done) return tl::unexpected(done.error());
-    // One that another session follows must not keep the robot waiting for a listener that has died.
-    (*publisher)->finish(final_state_of(*summary), stop_ ? dds.linger : std::min(dds.linger, kLingerBetween));
     has_pose_ = service::has_pose(*summary);
     can_continue_ = !summary->laser_state.empty();
-    return in_words(*summary, (*folder)->path());
+    const std::string outcome = in_words(*summary, (*folder)->path());
+    on_written_(outcome);
+    publisher.finish(final_state_of(*summary));
+    return outcome;
   }
 
   /// Whether its modules could be made.
@@ -125,11 +129,11 @@ class Session {
     return summary;
   }
 
-  const idl::Participant& participant_;
+  std::shared_ptr<DdsOutputs> outputs_;
   ServeControl& control_;
   const RunRequest& request_;
   const Tell& tell_;
-  const std::atomic<bool>& stop_;
+  OnSaved on_written_;
   bool started_ = false;
   bool has_pose_ = false;
   bool can_continue_ = false;
@@ -148,12 +152,15 @@ class ClosedAtEnd {
 };
 
 /// One session after the other, until one fails or `stop` is set.
-Result<std::string> run_sessions(const idl::Participant& participant, LiveSource& source, ServeControl& control,
-                                 RunRequest run, const Tell& tell, const std::atomic<bool>& stop) {
+Result<std::string> run_sessions(const std::shared_ptr<DdsOutputs>& outputs, LiveSource& source, ServeControl& control,
+                                 RunRequest run, const Tell& tell, const std::atomic<bool>& stop,
+                                 const OnSaved& on_saved) {
   SessionSetup before{run.mode, run.map};
   bool has_pose = false;  // of any session
   while (true) {
-    Session session(participant, control, run, tell, stop);
+    Session session(outputs, control, run, tell, [&](const Result<std::string>& outcome) {
+      if (stop) on_saved(outcome);
+    });
     auto outcome = session.run(source);
     if (!outcome && !session.started() && control.wanted()) {
       tell("going on as before: " + outcome.error().message);
@@ -182,29 +189,45 @@ Result<std::string> run_sessions(const idl::Participant& participant, LiveSource
 }  // namespace
 
 Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, const std::atomic<bool>& stop,
-                              const std::function<void()>& on_started) {
+                              const std::function<void()>& on_started, const OnSaved& on_saved) {
   // What must not be found out only when a robot has driven for an hour.
   if (const auto folder = OutputFolder::create(request.run.out, ResultKind::kRun); !folder) {
     return tl::unexpected(folder.error());
   }
+  const auto names = namespace_of(request.run.configuration.service.dds);
+  if (!names) return tl::unexpected(names.error());
   on_started();
   LiveSourceOptions options = request.source;
-  options.lasers = wants(request.run, "laser");
-  options.cameras = wants(request.run, "visual");
-  const idl::Network network = request.run.configuration.service.dds.network;
-  const auto participant = idl::Participant::join(network);
+  options.odometry = request.run.configuration.service.odometry;
+  options.inbox.lasers = wants(request.run, "laser");
+  options.inbox.cameras = wants(request.run, "visual");
+  const DdsOptions& dds = request.run.configuration.service.dds;
+  const auto participant = idl::Participant::join(dds.network);
   if (!participant) return tl::unexpected(participant.error());
   auto source = LiveSource::create(*participant, options, stop);
   if (!source) return tl::unexpected(source.error());
-  auto presence = idl::GraphPresence::create(*participant, "slamfuse", request.run.configuration.service.dds.ros_graph);
+  auto presence = idl::GraphPresence::create(*participant, {*names, kNodeName}, dds.ros_graph);
   if (!presence) return tl::unexpected(presence.error());
-  const auto diagnostics = DiagnosticsPublisher::start(*participant, *std::move(presence), **source, tell);
+  const auto outputs = DdsOutputs::create(*participant, *names, dds.publish_tf);
+  if (!outputs) return tl::unexpected(outputs.error());
+  const ExternalPoseOptions& external = request.run.configuration.service.external_pose;
+  auto told = (*outputs)->add_initial_pose(*participant, common::PoseSource::kLaser, external.laser_initialpose);
+  if (told) {
+    told = (*outputs)->add_initial_pose(*participant, common::PoseSource::kVisual, external.visual_initialpose);
+  }
+  if (!told) return tl::unexpected(told.error());
+  const auto diagnostics =
+      DiagnosticsPublisher::start(*participant, *std::move(presence), names->resolve(kNodeName), **source, tell);
   if (!diagnostics) return tl::unexpected(diagnostics.error());
   ServeControl control(**source, request.run.out / "map");
-  const auto services = OperatorServices::start(*participant, control, tell);
+  const auto services = OperatorServices::start(*participant, *names, control, tell);
   if (!services) return tl::unexpected(services.error());
-  tell(network == idl::Network::kAll ? "listening" : "listening to this machine (service.dds.network: all opens up)");
-  if (auto prepared = (*source)->prepare(tell); !prepared) return tl::unexpected(prepared.error());
+  tell(dds.network == idl::Network::kAll ? "listening"
+                                         : "listening to this machine (service.dds.network: all opens up)");
+  if (auto prepared = (*source)->prepare(tell); !prepared) {
+    on_saved(tl::unexpected(prepared.error()));
+    return tl::unexpected(prepared.error());
+  }
   for (const auto& note : (*source)->info().notes) tell(note);
   tell("starting with " + sensors_in_words((*source)->info()));
 
@@ -212,7 +235,10 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
   run.recording = (*source)->info().path;
   run.live = true;
   const ClosedAtEnd closed(control);
-  return run_sessions(*participant, **source, control, run, tell, stop);
+  auto outcome = run_sessions(*outputs, **source, control, run, tell, stop, on_saved);
+  on_saved(outcome);
+  (*outputs)->wait_for_acknowledgments(dds.linger);
+  return outcome;
 }
 
 }  // namespace slamfuse::service

@@ -4,6 +4,7 @@
 #include "common/options.hpp"
 #include "service/dds_options.hpp"
 #include "service/external_poses.hpp"
+#include "service/odometry_guard.hpp"
 
 namespace slamfuse::service {
 
@@ -15,6 +16,7 @@ struct ServiceOptions {
   int live_backlog = 16;
   double save_interval = 20.0;
   int live_history = 20000;
+  OdometryLimits odometry;
   ExternalPoseOptions external_pose;
   DdsOptions dds;
 
@@ -34,6 +36,7 @@ struct ServiceOptions {
         "live_history", live_history, {100, 10000000}, "items",
         "`serve`: poses of each path, update times and rows of status.csv that are kept for the results; what "
         "is more is thinned evenly. Bounds the memory.");
+    visit.nested("odometry", odometry, "`serve`: wheel odometry that is not believed.");
     visit.nested("external_pose", external_pose, "Poses of another SLAM system that come without a covariance.");
     visit.nested("dds", dds, "Publication as ROS 2 topics.");
   }

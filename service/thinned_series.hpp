@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
+
 #include <utility>
 #include <vector>
+
+#include "common/thinned_history.hpp"
 
 namespace slamfuse::service {
 
@@ -14,7 +16,7 @@ namespace slamfuse::service {
 template <class T>
 class ThinnedSeries {
  public:
-  static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t kAll = common::kKeepAll;
 
   /// `most` >= 2; kAll keeps everything.
   explicit ThinnedSeries(std::size_t most = kAll) : most_(most) {}

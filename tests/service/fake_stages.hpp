@@ -102,12 +102,16 @@ class Transcript : public PipelineObserver {
   void on_corrected_pose(const fusion::CorrectedPose& pose) override {
     lines.push_back(fmt::format("fused {} {}", pose.estimate.stamp, pose.estimate.pose.x));
   }
+  void on_command(common::PoseSource target, const common::Command& command) override {
+    commands.emplace_back(target, command);
+  }
   void on_event(const common::Event& event) override {
     events.push_back(event);
     lines.push_back(event.kind + " " + event.detail);
   }
   std::vector<std::string> lines;
   std::vector<common::Event> events;
+  std::vector<std::pair<common::PoseSource, common::Command>> commands;
 };
 
 /// Sleeps up to `most`, differently each time.

@@ -166,7 +166,7 @@ TEST(CommandLine, ReadsServe) {
   ASSERT_TRUE(request);
   const auto& serve = std::get<ServeRequest>(*request);
   EXPECT_EQ(serve.run.out, "out");
-  EXPECT_EQ(serve.source.topics.at("laser0"), "/front/scan");
+  EXPECT_EQ(serve.source.inbox.topics.at("laser0"), "/front/scan");
   EXPECT_EQ(serve.source.base_frame, "base_footprint");
   EXPECT_EQ(serve.source.readout.at("cam0"), 0.02);
   EXPECT_THAT(serve.run.modules, ElementsAre("laser"));

@@ -29,9 +29,9 @@ class DdsPublisherTest : public testing::Test {
   std::unique_ptr<DdsPublisher> publisher(DdsPublisher::CurrentAlignment alignment = [] {
     return std::optional<fusion::Alignment>();
   }) {
-    auto created = DdsPublisher::create(participant_, options_, std::move(alignment));
-    EXPECT_TRUE(created);
-    return *std::move(created);
+    const auto outputs = DdsOutputs::create(participant_, names_, options_.publish_tf);
+    EXPECT_TRUE(outputs);
+    return std::make_unique<DdsPublisher>(*outputs, options_, std::move(alignment));
   }
 
   static common::PoseEstimate estimate(PoseSource source, double x, common::Nanoseconds stamp = kStamp) {
@@ -45,11 +45,8 @@ class DdsPublisherTest : public testing::Test {
 
   idl::PrivateDomain domain_;
   idl::Participant participant_ = idl::Participant::create(domain_.settings()).value();
-  DdsOptions options_ = [] {
-    DdsOptions options;
-    options.reader_wait = 0.2;  // most tests have no listener on the topics it waits for
-    return options;
-  }();
+  DdsOptions options_;
+  idl::RosNamespace names_;
 };
 
 TEST_F(DdsPublisherTest, SendsEachCorrectedPoseWithItsTransform) {
@@ -70,6 +67,80 @@ TEST_F(DdsPublisherTest, SendsEachCorrectedPoseWithItsTransform) {
   EXPECT_EQ((**transform)->transforms._buffer[0].transform.translation.y, 0.2);
   EXPECT_EQ(idl::text_of((**transform)->transforms._buffer[0].child_frame_id), "odom");
   EXPECT_EQ(publishing->unsent().count, 0u);
+}
+
+TEST_F(DdsPublisherTest, StampsOfPosesRise) {
+  auto poses = listen<idl::PoseWithCovarianceStamped>("slamfuse/pose");
+  auto transforms = listen<idl::TFMessage>("tf");
+  auto publishing = publisher();
+  for (const common::Nanoseconds stamp : {kStamp, kStamp, kStamp - 1, kStamp + 1}) {
+    publishing->on_corrected_pose({estimate(PoseSource::kFused, 1.0, stamp), {}});
+  }
+  for (const common::Nanoseconds stamp : {kStamp, kStamp + 1}) {
+    EXPECT_EQ(from_ros_time((*poses.take(kPatience).value())->header.stamp), stamp);
+    EXPECT_TRUE(transforms.take(kPatience).value());
+  }
+  EXPECT_FALSE(poses.take().value());
+  EXPECT_FALSE(transforms.take().value());
+}
+
+TEST_F(DdsPublisherTest, PublishesInItsNamespaceWithoutTransformsWhenAnotherProcessHasThem) {
+  options_.publish_tf = false;
+  names_ = idl::RosNamespace::create("/robot/laser").value();
+  auto poses = listen<idl::PoseWithCovarianceStamped>("robot/laser/slamfuse/pose");
+  auto outside = listen<idl::PoseWithCovarianceStamped>("slamfuse/pose");
+  auto transforms = listen<idl::TFMessage>("tf");
+  auto publishing = publisher();
+  publishing->on_corrected_pose({estimate(PoseSource::kFused, 1.0), {0.1, 0.2, 0.3}});
+  EXPECT_TRUE(poses.take(kPatience).value());
+  EXPECT_FALSE(outside.take(100ms).value());
+  EXPECT_EQ(transforms.matched_writers(), 0);
+}
+
+TEST_F(DdsPublisherTest, TransformsAreTheSameForAllNamespaces) {
+  names_ = idl::RosNamespace::create("/robot").value();
+  auto transforms = listen<idl::TFMessage>("tf");
+  publisher()->on_corrected_pose({estimate(PoseSource::kFused, 1.0), {0.1, 0.2, 0.3}});
+  EXPECT_TRUE(transforms.take(kPatience).value());
+}
+
+TEST_F(DdsPublisherTest, TellsAnotherSystemItsPose) {
+  auto poses = listen<idl::PoseWithCovarianceStamped>("amcl/initialpose");
+  const auto outputs = DdsOutputs::create(participant_, {}, true).value();
+  ASSERT_TRUE(outputs->add_initial_pose(participant_, PoseSource::kLaser, "/amcl/initialpose"));
+  ASSERT_TRUE(outputs->add_initial_pose(participant_, PoseSource::kVisual, ""));
+  DdsPublisher publishing(outputs, options_, [] { return std::optional<fusion::Alignment>(); });
+  publishing.on_command(PoseSource::kVisual, common::SetPose{{5.0, 0.0, 0.0}});
+  publishing.on_command(PoseSource::kLaser, common::SetPose{{1.0, 2.0, 0.5}, 0.25 * Eigen::Matrix3d::Identity()});
+  const auto told = poses.take(kPatience).value();
+  ASSERT_TRUE(told);
+  EXPECT_EQ((*told)->pose.pose.position.y, 2.0);
+  EXPECT_EQ((*told)->pose.covariance[0], 0.25);
+  EXPECT_EQ(idl::text_of((*told)->header.frame_id), "map");
+}
+
+TEST_F(DdsPublisherTest, TellsARestartedSystemWhereItIs) {
+  auto poses = listen<idl::PoseWithCovarianceStamped>("amcl/initialpose");
+  const auto outputs = DdsOutputs::create(participant_, {}, true).value();
+  ASSERT_TRUE(outputs->add_initial_pose(participant_, PoseSource::kLaser, "/amcl/initialpose"));
+  DdsPublisher publishing(outputs, options_, [] { return std::optional<fusion::Alignment>(); });
+  const common::Event restarted{kStamp, "laser", "restarted", ""};
+  publishing.on_event(restarted);  // nobody knows yet
+  publishing.on_corrected_pose({estimate(PoseSource::kFused, 1.5), {}});
+  publishing.on_event({kStamp, "laser", "map_reset", ""});
+  publishing.on_event({kStamp, "visual", "restarted", ""});  // is told nothing
+  publishing.on_event(restarted);
+  const auto told = poses.take(kPatience).value();
+  ASSERT_TRUE(told);
+  EXPECT_EQ((*told)->pose.pose.position.x, 1.5);
+  EXPECT_FALSE(poses.take(50ms).value());
+}
+
+TEST(DdsOptions, TheNamespaceIsChecked) {
+  DdsOptions options;
+  EXPECT_EQ(namespace_of(options)->name(), "/");
+  options.name_space = "1robot";
+  EXPECT_THAT(namespace_of(options).error().message, testing::StartsWith("service.dds.namespace: '1robot'"));
 }
 
 TEST_F(DdsPublisherTest, SendsTheLastMapEvenRightAfterAnother) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/external_poses.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace slamfuse::service {
@@ -44,6 +45,43 @@ TEST(ExternalPoses, AnotherFrameBeginsANewEpoch) {
   ASSERT_EQ(result.estimate->events.size(), 1u);
   EXPECT_EQ(result.estimate->events[0].kind, "map_reset");
   EXPECT_EQ(poses.final_trajectory().size(), 1u);
+}
+
+TEST(ExternalPoses, ARestartBeginsANewEpochWhereItMakesANewMap) {
+  ExternalPoseOptions options;
+  options.laser_restart = AfterRestart::kSameMap;
+  const auto epochs_of = [&](const std::string& sensor) {
+    ExternalPoses poses(sensor, options);
+    std::vector<std::uint32_t> epochs;
+    common::Nanoseconds stamp = 0;
+    // The second publisher takes over; what the first one still sends is no third map.
+    for (const std::uint64_t publisher : {7, 7, 8, 7, 8}) {
+      epochs.push_back(
+          poses.process(ExternalPose{++stamp, sensor, "map", {}, std::nullopt, publisher}).estimate->map_epoch);
+    }
+    return epochs;
+  };
+  EXPECT_THAT(epochs_of(kVisualPose), testing::ElementsAre(0, 0, 1, 1, 1));
+  EXPECT_THAT(epochs_of(kLaserPose), testing::ElementsAre(0, 0, 0, 0, 0));
+}
+
+TEST(ExternalPoses, ARestartInTheSameMapIsToldOnce) {
+  ExternalPoseOptions options;
+  options.laser_restart = AfterRestart::kSameMap;
+  options.restart_settle = 2.0;
+  ExternalPoses poses(kLaserPose, options);
+  std::vector<std::string> told;
+  std::vector<bool> lost;
+  common::Nanoseconds stamp = 0;
+  for (const std::uint64_t publisher : {7, 8, 7, 8}) {
+    stamp += common::kNanosecondsPerSecond;
+    const auto result = poses.process(ExternalPose{stamp, kLaserPose, "map", {}, std::nullopt, publisher});
+    for (const auto& event : result.estimate->events) told.push_back(event.module + " " + event.kind);
+    lost.push_back(result.estimate->state == common::TrackingState::kLost);
+  }
+  EXPECT_THAT(told, testing::ElementsAre("laser restarted"));
+  EXPECT_THAT(lost, testing::ElementsAre(false, true, true, false)) << "it does not know yet where it is";
+  EXPECT_EQ(poses.final_trajectory().size(), 2u);
 }
 
 }  // namespace

@@ -104,7 +104,8 @@ TEST(InputDiagnostics, MissesWhatTheUserNamed) {
 }
 
 TEST(InputDiagnostics, BecomesARosMessage) {
-  const auto message = to_ros_diagnostics(5, {{"scan", DiagnosisLevel::kError, "silent", {{"age [s]", "2.0"}}}});
+  const auto message =
+      to_ros_diagnostics(5, "slamfuse", {{"scan", DiagnosisLevel::kError, "silent", {{"age [s]", "2.0"}}}});
   ASSERT_EQ(message->status._length, 1u);
   EXPECT_EQ(message->status._buffer[0].level, 2);
   EXPECT_STREQ(message->status._buffer[0].name, "slamfuse: input scan");

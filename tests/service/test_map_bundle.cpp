@@ -36,6 +36,10 @@ MapBundle small_bundle() {
   bundle.alignment->map.linear << 0.5, -0.25, 0.25, 0.5;
   bundle.alignment->map.translation = {1.0 / 3.0, 2.0};
   bundle.alignment->mapping = fusion::to_mapping_matrix(bundle.alignment->map);
+  bundle.alignment->method = fusion::AlignmentMethod::kRigid;
+  bundle.alignment->heldout_rmse = 0.0125;
+  bundle.alignment->forward_rmse = 1.0 / 7.0;
+  bundle.alignment->heading_rmse = 0.003;
   bundle.trajectories["laser"] = {{1, {1.0, 2.0, 0.5}}};
   return bundle;
 }
@@ -75,6 +79,31 @@ TEST_F(MapBundleFiles, AreReadBack) {
   EXPECT_EQ(bundle->landmarks.size(), 3U);
   ASSERT_TRUE(bundle->grid.has_value());
   EXPECT_EQ(bundle->grid->cells, small_grid().cells);
+}
+
+TEST_F(MapBundleFiles, SayHowFarTheAlignmentIsOff) {
+  const auto bundle = read_map_bundle(map());
+  ASSERT_TRUE(bundle.has_value() && bundle->summary.alignment);
+  EXPECT_EQ(bundle->summary.alignment->method, fusion::AlignmentMethod::kRigid);
+  EXPECT_EQ(bundle->summary.alignment->heldout_rmse, 0.0125);
+  EXPECT_EQ(bundle->summary.alignment->forward_rmse, 1.0 / 7.0);
+  EXPECT_EQ(bundle->summary.alignment->heading_rmse, 0.003);
+}
+
+/// Not as if it were free of error.
+TEST_F(MapBundleFiles, FromBeforeErrorsWereSavedHaveSome) {
+  replace_in_yaml("    heldout_rmse: 0.0125\n", "");
+
+  const auto bundle = read_map_bundle(map());
+
+  ASSERT_TRUE(bundle.has_value() && bundle->summary.alignment);
+  EXPECT_GT(bundle->summary.alignment->heldout_rmse, 0.01);
+  EXPECT_GT(bundle->summary.alignment->heading_rmse, 0.01);
+}
+
+TEST_F(MapBundleFiles, WithAnImpossibleErrorAreRefused) {
+  replace_in_yaml("heldout_rmse: 0.0125", "heldout_rmse: -1");
+  expect_refused("heldout_rmse");
 }
 
 TEST_F(MapBundleFiles, ReplaceAnOlderBundleWithoutALeftover) {

@@ -71,7 +71,7 @@ class OperatorServicesTest : public testing::Test {
   idl::Participant participant_ = idl::Participant::create(domain_.settings()).value();
   FakeActions actions_;
   std::unique_ptr<OperatorServices> services_ =
-      OperatorServices::start(participant_, actions_, [](const std::string&) {}).value();
+      OperatorServices::start(participant_, {}, actions_, [](const std::string&) {}).value();
 };
 
 TEST_F(OperatorServicesTest, HandsQuestionsOnAndAnswersInWords) {

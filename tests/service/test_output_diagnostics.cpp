@@ -26,7 +26,7 @@ TEST(OutputDiagnostics, NamesReadersThatGetNothing) {
 }
 
 TEST(OutputDiagnostics, AreTellableFromInputs) {
-  const auto message = to_ros_diagnostics(5, diagnose_outputs({{"tf", "", 0, {}}}));
+  const auto message = to_ros_diagnostics(5, "slamfuse", diagnose_outputs({{"tf", "", 0, {}}}));
   ASSERT_EQ(message->status._length, 1u);
   EXPECT_STREQ(message->status._buffer[0].name, "slamfuse: output tf");
 }
