@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Drives the visual filter by bearings alone, without images: a robot of the MRCLAM data sets, its odometry and the
-// directions of numbered landmarks (the measured ranges are not used). Prints the error of the path and of the map.
+// directions of numbered landmarks (the measured ranges are not used). Prints the error of the path and of the map, as
+// the filter has them and after all bearings it used were adjusted at once.
 //
 //     benchmark_bearings FOLDER ROBOT [visual.key=value ...]
 //
@@ -22,6 +23,7 @@
 #include "common/config.hpp"
 #include "common/trajectory.hpp"
 #include "common/trajectory_evaluation.hpp"
+#include "visual_slam/batch_adjustment.hpp"
 #include "visual_slam/ekf.hpp"
 #include "visual_slam/options.hpp"
 #include "visual_slam/path_recorder.hpp"
@@ -30,7 +32,8 @@ namespace {
 
 using namespace slamfuse;
 
-constexpr int kFirstLandmark = 6;     // lower subject numbers are the other robots
+constexpr int kFirstLandmark = 6;  // lower subject numbers are the other robots
+constexpr int kLastLandmark = 20;
 constexpr double kFocalLength = 500;  // [px] of the camera the filter is told of
 constexpr double kWidest = 1.2;       // [rad] bearings further off the axis are left out
 constexpr common::Nanoseconds kStep = common::kNanosecondsPerSecond / 2;  // between estimates without a bearing
@@ -104,6 +107,7 @@ visual_slam::VisualSlamOptions bearings_by_hand() {
   options.motion.turn_noise_per_turn = 15.0;
   options.motion.distance_scale_sigma = 0.1;
   options.motion.turn_scale_sigma = 0.1;
+  options.motion.bearing_margin = 1.0;
   options.filter.pixel_sigma = 15.0;
   options.filter.known_depth = 0.4;
   options.filter.gate_probability = 0.999;
@@ -114,7 +118,7 @@ visual_slam::VisualSlamOptions bearings_by_hand() {
 class Run {
  public:
   explicit Run(const visual_slam::VisualSlamOptions& options)
-      : options_(options), filter_(options.filter, options.motion) {}
+      : options_(options), filter_(options.filter, options.motion), batch_(options.motion) {}
 
   void set_velocity(common::Nanoseconds stamp, double forward, double turn) {
     move_to(stamp);
@@ -131,6 +135,11 @@ class Run {
   /// All bearings of one stamp.
   void see(const std::vector<std::pair<visual_slam::LandmarkId, double>>& bearings) {
     filter_.predict({common::to_seconds(*now_ - filtered_.value_or(*now_)), filtered_odometry_.inverse() * odometry_});
+    if (filtered_) {
+      batch_.add_pose(filtered_odometry_.inverse() * odometry_, filter_.pose());
+    } else {
+      batch_.start(filter_.pose());
+    }
     filtered_ = now_;
     filtered_odometry_ = odometry_;
     std::vector<visual_slam::Measurement> known;
@@ -143,23 +152,49 @@ class Run {
     const visual_slam::UpdateReport report = filter_.update(camera_, known);
     std::vector<visual_slam::LandmarkId> accepted;
     for (std::size_t i = 0; i < known.size(); ++i) {
-      if (report.accepted[i]) accepted.push_back(known[i].landmark);
+      if (!report.accepted[i]) continue;
+      accepted.push_back(known[i].landmark);
+      batch_.add_bearing(camera_, known[i].landmark, known[i].bearing);
     }
     rejected += static_cast<int>(known.size() - accepted.size());
     used += static_cast<int>(accepted.size());
     filter_.remove(filter_.convert(camera_, accepted));
     for (const visual_slam::Measurement& one : fresh) {
       filter_.add_landmark(one.landmark, camera_, one.bearing, *now_);
+      batch_.add_bearing(camera_, one.landmark, one.bearing);
     }
     keep_pose();
     online.push_back({*now_, filter_.pose()});
     odometry.push_back({*now_, odometry_});
-    path_.add(*now_, common::to_pose3(odometry_), filter_.spatial_pose(), false);
+    path_.add(*now_, common::to_pose3(odometry_), false, filter_, no_pictures_);
   }
 
   common::Trajectory2 final_path() const { return common::to_planar(path_.path(filter_)); }
-  std::optional<Eigen::Vector3d> landmark(visual_slam::LandmarkId id) const {
-    return filter_.has(id) ? filter_.likely_position(id) : std::nullopt;
+  std::map<visual_slam::LandmarkId, Eigen::Vector3d> landmarks() const {
+    std::map<visual_slam::LandmarkId, Eigen::Vector3d> all;
+    for (visual_slam::LandmarkId id = kFirstLandmark; id <= kLastLandmark; ++id) {
+      if (!filter_.has(id)) continue;
+      if (const auto place = filter_.likely_position(id)) all.emplace(id, *place);
+    }
+    return all;
+  }
+
+  /// All bearings the filter has used, adjusted at once from where the filter ends.
+  struct Adjusted {
+    common::Trajectory2 path;
+    std::map<visual_slam::LandmarkId, Eigen::Vector3d> landmarks;
+    visual_slam::OdometryCalibration calibration = visual_slam::OdometryCalibration::Zero();
+    int iterations = 0;
+    int wrong = 0;
+  };
+  std::optional<Adjusted> adjusted() {
+    const common::Trajectory2 path = final_path();
+    for (std::size_t i = 0; i < path.size(); ++i) batch_.believe(i, path[i].pose);
+    const auto result = batch_.adjust(landmarks());
+    if (!result) return std::nullopt;
+    Adjusted adjusted{{}, result->landmarks, result->calibration, result->iterations, result->wrong};
+    for (std::size_t i = 0; i < path.size(); ++i) adjusted.path.push_back({path[i].stamp, result->poses[i]});
+    return adjusted;
   }
 
   common::Trajectory2 online;
@@ -181,7 +216,9 @@ class Run {
   visual_slam::VisualSlamOptions options_;
   visual_slam::Camera camera_ = bearing_camera();
   visual_slam::Ekf filter_;
+  visual_slam::ObservationLog no_pictures_{visual_slam::MapOptions{}};
   visual_slam::PathRecorder path_;
+  visual_slam::BatchAdjustment batch_;
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   std::optional<common::Nanoseconds> now_;
   std::optional<common::Nanoseconds> filtered_;
@@ -192,12 +229,13 @@ class Run {
 
 /// Root mean square distance of the estimated landmarks from the true ones after the best motion of the plane, and the
 /// same when the map may be scaled, too: nothing but the odometry gives a map of bearings its scale.
-void print_map(const Run& run, const std::vector<Row>& truth) {
+void print_map(const char* name, const std::map<visual_slam::LandmarkId, Eigen::Vector3d>& landmarks,
+               const std::vector<Row>& truth) {
   std::vector<Eigen::Vector2d> from, to;
   for (const Row& row : truth) {
     const auto id = static_cast<visual_slam::LandmarkId>(row.stamp / common::kNanosecondsPerSecond);
-    if (const auto point = run.landmark(id)) {
-      from.emplace_back(point->head<2>());
+    if (const auto point = landmarks.find(id); point != landmarks.end()) {
+      from.emplace_back(point->second.head<2>());
       to.emplace_back(row.values[0], row.values[1]);
     }
   }
@@ -220,7 +258,7 @@ void print_map(const Run& run, const std::vector<Row>& truth) {
   const auto rmse = [&](double s) {
     return std::sqrt((s * s * from_square - 2.0 * s * agreement + to_square) / static_cast<double>(from.size()));
   };
-  std::printf("map       %zu of %zu landmarks, rmse %.3f m; scaled by %.3f %.3f m\n", from.size(), truth.size(),
+  std::printf("%-9s %zu of %zu landmarks, rmse %.3f m; scaled by %.3f %.3f m\n", name, from.size(), truth.size(),
               rmse(1.0), scale, rmse(scale));
 }
 
@@ -265,7 +303,19 @@ int main(int argc, char** argv) {
   print_row("online", run.online, truth);
   print_row("final", run.final_path(), truth);
   print_row("scaled", run.final_path(), truth, common::EvaluationAlignment::kSim2);
-  print_map(run, read_rows(std::string(argv[1]) + "/Landmark_Groundtruth.dat"));
+  const std::vector<Row> true_landmarks = read_rows(std::string(argv[1]) + "/Landmark_Groundtruth.dat");
+  print_map("map", run.landmarks(), true_landmarks);
   std::printf("%d bearings used, %d rejected\n", run.used, run.rejected);
+  if (const auto adjusted = run.adjusted()) {
+    std::printf(
+        "all at once, %d iterations, %d bearings left out, systematic errors of the odometry %.3f, %.3f, %.2f deg/m:\n",
+        adjusted->iterations, adjusted->wrong, adjusted->calibration[0], adjusted->calibration[1],
+        common::to_degrees(adjusted->calibration[2]));
+    print_row("path", adjusted->path, truth);
+    print_row("scaled", adjusted->path, truth, common::EvaluationAlignment::kSim2);
+    print_map("map", adjusted->landmarks, true_landmarks);
+  } else {
+    std::printf("all at once: the equations cannot be solved\n");
+  }
   return EXIT_SUCCESS;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Seed 001's comparison of feature selections: error and time with none, bottom-up, top-down and both.
 //
-//     benchmark_feature_selection RECORDING CAMERAS OBJECT_RECORDING RUNS [visual.key=value ...]
+//     benchmark_feature_selection RECORDING CAMERAS OBJECT_RECORDING RUNS SECONDS [visual.key=value ...]
 //
-// Run k begins 2 k seconds after the recording's start and lasts until 20 s before its end plus 2 k seconds. Pictures
+// Each run is SECONDS long; the first begins at the recording's start, the last ends at its end. Pictures
 // of the known objects are cut out of images of another recording of the same place, sim/flat_second_visit, into a
 // temporary folder. Time is the processor's, of one thread.
 #include <algorithm>

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "common/config.hpp"
 #include "common/recording.hpp"
 #include "common/trajectory.hpp"
@@ -26,6 +28,7 @@ using visual_slam::testing::Noise;
 constexpr double kFreedoms = 3.0;       // of a planar pose
 constexpr double kQuantile = 1.959964;  // of the normal distribution, for 95 %
 constexpr int kPoints = 1500;
+constexpr int kParts = 10;      // of the time, in the output
 constexpr double kReach = 6.0;  // [m] as far as a feature is seen
 
 int fail(const std::string& message) {
@@ -60,6 +63,21 @@ std::vector<Eigen::Vector3d> points_around(const std::vector<common::Pose2>& pat
   return points;
 }
 
+/// Errors over their standard deviations: of the heading; of the place along the robot's axis, given the heading;
+/// across it, given both; of the three systematic errors of the odometry. Each has a mean square of 1 when all is
+/// right.
+Eigen::Matrix<double, 6, 1> normalised_parts(const BearingSimulation& simulation, const visual_slam::Ekf& filter) {
+  const double theta = simulation.truth().theta;
+  Eigen::Matrix3d order;  // (x, y, theta) to (theta, along, across)
+  order << 0.0, 0.0, 1.0, std::cos(theta), std::sin(theta), 0.0, -std::sin(theta), std::cos(theta), 0.0;
+  const Eigen::LLT<Eigen::Matrix3d> llt(order * filter.pose_covariance() * order.transpose());
+  Eigen::Matrix<double, 6, 1> parts;
+  parts.head<3>() = llt.matrixL().solve(order * simulation.error_of(filter));
+  parts.tail<3>() = (simulation.calibration() - filter.motion_parameters())
+                        .cwiseQuotient(filter.state().covariance(1, 1).diagonal().cwiseSqrt());
+  return parts;
+}
+
 /// Quantile of the chi-square distribution by Wilson and Hilferty's approximation.
 double chi_square_quantile(double freedoms, double normal_quantile) {
   const double share = 2.0 / (9.0 * freedoms);
@@ -90,12 +108,15 @@ int main(int argc, char** argv) {
   const int runs = numbers[0];
 
   std::vector<double> nees(path.size(), 0.0);
-  std::vector<Eigen::Vector3d> normalised(path.size(), Eigen::Vector3d::Zero());
+  // Error over its standard deviation, of the heading, of the place along and across given what is before, of a, b, c.
+  std::vector<Eigen::Matrix<double, 6, 1>> mean_parts(path.size(), Eigen::Matrix<double, 6, 1>::Zero());
+  auto square_parts = mean_parts;
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
   double position_square = 0.0, scale_square = 0.0, scale_mean = 0.0;
   for (int run = 0; run < runs; ++run) {
     BearingSimulation simulation(1000U + static_cast<unsigned>(run), numbers[1], path, points, kReach);
-    visual_slam::Ekf filter(options.filter, options.motion);
+    visual_slam::Ekf filter(options.filter,
+                            visual_slam::for_cameras(options.motion, static_cast<std::size_t>(numbers[1])));
     simulation.assumed_pixel_sigma = options.filter.pixel_sigma;
     simulation.max_landmarks = static_cast<std::size_t>(options.map.max_landmarks);
     for (std::size_t i = 1; !simulation.done(); ++i) {
@@ -104,6 +125,9 @@ int main(int argc, char** argv) {
       const Eigen::Vector3d error = simulation.error_of(filter);
       squares += (error.array().square() / filter.pose_covariance().diagonal().array()).matrix();
       position_square += error.head<2>().squaredNorm();
+      const Eigen::Matrix<double, 6, 1> parts = normalised_parts(simulation, filter);
+      mean_parts[i] += parts / runs;
+      square_parts[i] += parts.cwiseAbs2() / runs;
     }
     const double z = (simulation.calibration()[0] - filter.motion_parameters()[0]) /
                      std::sqrt(filter.state().covariance(1, 1)(0, 0));
@@ -128,14 +152,22 @@ int main(int argc, char** argv) {
       "rms %.3f m; scale at the end %.2f (mean %.2f)\n",
       runs, nees.size() - 1, sum / count, low, high, 100.0 * inside / count, 100.0 * below / count, squares[0],
       squares[1], squares[2], std::sqrt(position_square / (count * runs)), scale_square, scale_mean);
-  std::printf("over time:");
-  for (int part = 0; part < 10; ++part) {
+  std::printf(
+      "over time: NEES; mean and mean square of heading, along, across, a, b, c over their standard deviations\n");
+  for (int part = 0; part < kParts; ++part) {
+    const std::size_t from = 1 + static_cast<std::size_t>(part) * (nees.size() - 1) / kParts;
+    const std::size_t to = 1 + static_cast<std::size_t>(part + 1) * (nees.size() - 1) / kParts;
+    const double images = static_cast<double>(to - from);
     double mean = 0.0;
-    const std::size_t from = 1 + static_cast<std::size_t>(part) * (nees.size() - 1) / 10;
-    const std::size_t to = 1 + static_cast<std::size_t>(part + 1) * (nees.size() - 1) / 10;
-    for (std::size_t i = from; i < to; ++i) mean += nees[i];
-    std::printf(" %.2f", mean / static_cast<double>(to - from));
+    Eigen::Matrix<double, 6, 1> parts_mean = Eigen::Matrix<double, 6, 1>::Zero(), parts_square = parts_mean;
+    for (std::size_t i = from; i < to; ++i) {
+      mean += nees[i] / images;
+      parts_mean += mean_parts[i] / images;
+      parts_square += square_parts[i] / images;
+    }
+    std::printf("%5.0f s %6.2f ", static_cast<double>(to) * common::to_seconds(BearingSimulation::kFrame), mean);
+    for (int k = 0; k < 6; ++k) std::printf(" %6.2f %5.2f", parts_mean[k], parts_square[k]);
+    std::printf("\n");
   }
-  std::printf("\n");
   return EXIT_SUCCESS;
 }

@@ -41,8 +41,8 @@ struct Variant {
 
 std::vector<Variant> variants() {
   std::vector<Variant> list;
-  for (const auto method :
-       {AlignmentMethod::kAuto, AlignmentMethod::kSimilarity, AlignmentMethod::kAffine, AlignmentMethod::kSeed004}) {
+  for (const auto method : {AlignmentMethod::kAuto, AlignmentMethod::kRigid, AlignmentMethod::kSimilarity,
+                            AlignmentMethod::kAffine, AlignmentMethod::kSeed004}) {
     AlignmentOptions options;
     options.method = method;
     list.push_back({to_string(method), options});

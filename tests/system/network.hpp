@@ -9,10 +9,15 @@ namespace slamfuse::system {
 /// The processes of a test find each other and nobody else.
 class Network {
  public:
-  Network() : id_("ROS_DOMAIN_ID", "77") {}
-  idl::Participant join() const { return *idl::Participant::create(domain_.settings()); }
+  explicit Network(idl::Network network = idl::Network::kLoopback) : network_(network), id_("ROS_DOMAIN_ID", "77") {}
+  idl::Participant join() const {
+    idl::DomainSettings settings = domain_.settings();
+    settings.loopback_only = network_ == idl::Network::kLoopback;
+    return *idl::Participant::create(settings);
+  }
 
  private:
+  idl::Network network_;
   idl::PrivateDomain domain_;
   idl::ScopedEnvironment id_;
 };

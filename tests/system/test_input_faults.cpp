@@ -105,8 +105,11 @@ class Watcher {
           while (reader && !done.stop_requested()) {
             const auto message = reader->take(50ms);
             if (!message || !*message) continue;
+            const auto now = Clock::now();
             const std::lock_guard lock(mutex_);
             newest_pose_ = service::from_ros_time((**message)->header.stamp);
+            if (last_pose_) longest_gap_ = std::max(longest_gap_, now - *last_pose_);
+            last_pose_ = now;
           }
         }) {}
 
@@ -118,6 +121,12 @@ class Watcher {
   common::Nanoseconds newest_pose() {
     const std::lock_guard lock(mutex_);
     return newest_pose_;
+  }
+  // The longest time [ms] between two poses since the last call.
+  double longest_gap_ms() {
+    const std::lock_guard lock(mutex_);
+    last_pose_.reset();
+    return std::chrono::duration<double, std::milli>(std::exchange(longest_gap_, Clock::duration::zero())).count();
   }
 
  private:
@@ -132,6 +141,8 @@ class Watcher {
   std::mutex mutex_;
   std::string said_;
   common::Nanoseconds newest_pose_ = 0;
+  std::optional<Clock::time_point> last_pose_;
+  Clock::duration longest_gap_ = Clock::duration::zero();
   std::jthread diagnostics_;
   std::jthread poses_;
 };
@@ -193,6 +204,49 @@ TEST(InputFaults, AreDiagnosedAndSurvived) {
 
   kill(service, SIGINT);
   EXPECT_EQ(exit_status_of(service), 0);
+  fs::remove_all(folder);
+}
+
+// A reliable listener that acknowledges nothing any more: its process is stopped, not ended, so that it stays matched
+// until its lease ends, ten seconds later.
+TEST(InputFaults, AListenerThatHangsHoldsUpNothing) {
+  const Network network;
+  const auto participant = network.join();
+  const fs::path folder = fs::temp_directory_path() / ("slamfuse-hung-" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  const pid_t service = start(
+      {SLAMFUSE_PROGRAM, "serve", "-o", folder / "out", "--modules", "laser", "--set", "service.dds.path_period=0.5"});
+  Watcher watcher(participant);
+  Robot robot(participant);
+  ASSERT_TRUE(robot.wait_for_service());
+  const auto ahead = [](const auto& message, common::Nanoseconds stamp, const auto& publish) {
+    publish(message, stamp + kHour);
+  };
+  const pid_t listener = start({SLAMFUSE_PROGRAM, "record", "-o", folder / "bag"});
+  robot.drive(6s, ahead);
+  std::printf("longest time without a pose: %.0f ms", watcher.longest_gap_ms());
+  kill(listener, SIGSTOP);
+  robot.drive(4s, ahead);
+  std::printf(", with a listener that hangs %.0f ms\n", watcher.longest_gap_ms());
+  const common::Nanoseconds before = watcher.newest_pose();
+  ASSERT_GT(before, kHour);
+
+  // The clock goes back, so the session ends and another begins, while the listener hangs.
+  const auto stepped = Clock::now();
+  std::optional<Clock::duration> recovered;
+  robot.drive(3s, [&](const auto& message, common::Nanoseconds stamp, const auto& publish) {
+    publish(message, stamp);
+    if (!recovered && watcher.newest_pose() < before - kHour / 2) recovered = Clock::now() - stepped;
+  });
+  EXPECT_TRUE(recovered) << "no pose within 3 s of the step";
+  if (recovered) std::printf("poses again %.1f s after the step\n", std::chrono::duration<double>(*recovered).count());
+
+  const auto stopped = Clock::now();
+  kill(service, SIGINT);
+  EXPECT_EQ(exit_status_of(service), 0);
+  std::printf("ended after %.1f s\n", std::chrono::duration<double>(Clock::now() - stopped).count());
+  kill(listener, SIGKILL);
+  exit_status_of(listener);
   fs::remove_all(folder);
 }
 

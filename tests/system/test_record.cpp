@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "common/replay.hpp"
@@ -65,7 +66,7 @@ TEST_F(Record, TheUninvitedHearNothing) {
   const fs::path keystore = folder_ / "keystore";
   const fs::path other_keystore = folder_ / "other";
   for (const auto& store : {keystore, other_keystore}) {
-    const std::string command = std::string(SLAMFUSE_KEYSTORE_SCRIPT) + " " + store.string() + " slamfuse > /dev/null";
+    const std::string command = fmt::format("{} {} slamfuse > /dev/null", SLAMFUSE_KEYSTORE_SCRIPT, store.string());
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
   const auto record_as = [&](const fs::path& store, const std::string& bag) {

@@ -3,6 +3,7 @@
 //
 // SLAMFUSE_SERVE_SECONDS: how much of the recording is played (default 20).
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -85,6 +86,9 @@ class Serve : public testing::Test {
     const auto participant = network.join();
     {
       const auto scans = listen<idl::LaserScan>(participant, "scan", scans_);
+      // Of each picture its camera_info comes first; it is smaller to listen to.
+      const auto left = listen<idl::CameraInfo>(participant, "cam0/camera_info", images_[0]);
+      const auto right = listen<idl::CameraInfo>(participant, "cam1/camera_info", images_[1]);
       const auto poses = listen<idl::PoseWithCovarianceStamped>(participant, "slamfuse/pose", poses_);
       const pid_t service = start(serve(folder_ / "out"));
       const pid_t player = start({SLAMFUSE_PROGRAM, "play", kFlat, "--to", seconds_played(), "--wait", "20"});
@@ -116,6 +120,7 @@ class Serve : public testing::Test {
 
   static inline std::filesystem::path folder_;
   static inline Arrivals scans_;
+  static inline std::array<Arrivals, 2> images_;
   static inline Arrivals poses_;
   static inline int play_status_ = -1;
   static inline int serve_status_ = -1;
@@ -146,18 +151,22 @@ TEST_F(Serve, GivesAPoseForEveryScan) {
 }
 
 TEST_F(Serve, TellsHowLongAPoseTakes) {
-  // Told, not judged: the bar (p99 60 ms) is for an idle machine.
-  std::vector<double> latencies;
-  for (const auto& [stamp, arrived] : scans_) {
-    const auto pose = poses_.find(stamp);
-    if (pose == poses_.end()) continue;
-    latencies.push_back(std::chrono::duration<double, std::milli>(pose->second - arrived).count());
+  // Told, not judged: the bars (p99 60 and 150 ms, 20 poses a second) are for an idle machine.
+  for (const auto& [name, inputs] : {std::pair{"scans", scans_}, {"cam0", images_[0]}, {"cam1", images_[1]}}) {
+    std::vector<double> latencies;
+    for (const auto& [stamp, arrived] : inputs) {
+      const auto pose = poses_.find(stamp);
+      if (pose == poses_.end()) continue;
+      latencies.push_back(std::chrono::duration<double, std::milli>(pose->second - arrived).count());
+    }
+    ASSERT_FALSE(latencies.empty()) << name;
+    std::ranges::sort(latencies);
+    std::printf("%s: %zu of %zu have a pose of their own stamp, after: median %.1f ms, p99 %.1f ms, max %.1f ms\n",
+                name, latencies.size(), inputs.size(), latencies[latencies.size() / 2],
+                latencies[latencies.size() * 99 / 100], latencies.back());
   }
-  ASSERT_FALSE(latencies.empty());
-  std::ranges::sort(latencies);
-  std::printf("%zu of %zu scans have a pose of their own stamp, after: median %.1f ms, p99 %.1f ms, max %.1f ms\n",
-              latencies.size(), scans_.size(), latencies[latencies.size() / 2], latencies[latencies.size() * 99 / 100],
-              latencies.back());
+  const double seconds = common::to_seconds(poses_.rbegin()->first - poses_.begin()->first);
+  std::printf("%.1f poses a second\n", static_cast<double>(poses_.size() - 1) / seconds);
 }
 
 TEST_F(Serve, IsAsAccurateAsARun) {
@@ -232,6 +241,28 @@ TEST_F(ServeFaults, BadMessagesAreCountedAndDoNotStopIt) {
   const auto laser = nlohmann::json::parse(file).at("modules").at("laser");
   EXPECT_EQ(laser.at("rejected"), kBad);
   EXPECT_GE(laser.at("poses"), 25);
+}
+
+TEST_F(ServeFaults, ADdsThatHangsIsLeftOnceAllIsSaved) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "its runtime must come before what is preloaded";
+#endif
+  const auto out = folder_ / "out";
+  std::vector<std::string> words = serve(out, {"--modules", "laser", "--set", "service.dds.leave=3"});
+  words.insert(words.begin(), {"/usr/bin/env", std::string("LD_PRELOAD=") + SLAMFUSE_HANGING_DDS,
+                               "SLAMFUSE_HANG_WHEN=" + (out / "metrics.json").string()});
+  const pid_t service = start(words);
+  EXPECT_EQ(exit_status_of(start({SLAMFUSE_PROGRAM, "play", kFlat, "--to", "8", "--wait", "4", "--rate", "2"})), 0);
+  const auto stopped = Clock::now();
+  kill(service, SIGTERM);
+  EXPECT_EQ(exit_status_of(service), 1);
+  const auto took = Clock::now() - stopped;
+  EXPECT_GE(took, 3s);
+  EXPECT_LE(took, 40s);
+  const auto bundle = service::read_map_bundle(out / "map");
+  ASSERT_TRUE(bundle) << bundle.error().message;
+  EXPECT_FALSE(bundle->summary.incomplete);
+  EXPECT_TRUE(std::filesystem::exists(out / "report.html"));
 }
 
 TEST_F(ServeFaults, StoppedBeforeAnythingIsHeardItEnds) {
