@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +17,8 @@ class FrameTree {
  public:
   /// Does nothing when the frame is known already, or would become its own ancestor.
   void add(const std::string& parent, const std::string& child, const Pose3& T_parent_child);
+  /// How many frames have a parent.
+  std::size_t size() const { return links_.size(); }
   /// Whether a frame was named, as parent or as child.
   bool knows(const std::string& frame) const;
   /// T_target_source, the pose of frame `source` in frame `target`. Returns nothing when the two do not hang together.

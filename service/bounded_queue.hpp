@@ -27,6 +27,13 @@ class BoundedQueue {
     return true;
   }
 
+  std::size_t capacity() const { return capacity_; }
+  /// How many items are inside; with one pushing thread it finds at least as much room as it sees.
+  std::size_t size() const {
+    const std::lock_guard lock(mutex_);
+    return items_.size();
+  }
+
   /// Waits for an item. Empty once the queue is closed and drained.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
@@ -60,7 +67,7 @@ class BoundedQueue {
   }
 
   const std::size_t capacity_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable room_;
   std::condition_variable filled_;
   std::deque<T> items_;

@@ -20,6 +20,7 @@ void MergeStage::handle(const MergedStep& step) {
     });
   }
   if (step.rejected) tell_rejected(*step.rejected);
+  if (step.dropped_of) observer_.on_dropped(*step.dropped_of);
   if (step.odometry) {
     observer_.on_odometry(*step.odometry);
     fuse(step, *step.odometry);

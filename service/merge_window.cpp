@@ -11,8 +11,9 @@ bool MergeWindow::open(MergedStep step, std::set<common::PoseSource> owed_by) {
   std::unique_lock lock(mutex_);
   room_.wait(lock, [this] { return aborted_ || slots_.size() < capacity_; });
   if (aborted_) return false;
-  assert(step.index == first_index_ + static_cast<SequenceIndex>(slots_.size()));
-  slots_.push_back({std::move(step), std::move(owed_by)});
+  assert(slots_.empty() || step.index > slots_.rbegin()->first);
+  const SequenceIndex index = step.index;
+  slots_.emplace_hint(slots_.end(), index, Slot{std::move(step), std::move(owed_by)});
   ready_.notify_one();
   return true;
 }
@@ -20,10 +21,10 @@ bool MergeWindow::open(MergedStep step, std::set<common::PoseSource> owed_by) {
 void MergeWindow::complete(SequenceIndex index, common::PoseSource source, ModuleOutput output) {
   const std::lock_guard lock(mutex_);
   if (aborted_) return;
-  if (order_ == MergeOrder::kAsComplete && index < first_index_) return;
-  assert(index >= first_index_ && index < first_index_ + static_cast<SequenceIndex>(slots_.size()));
-  Slot& slot = slots_[static_cast<std::size_t>(index - first_index_)];
-  if (!slot.owed_by.contains(source)) return;
+  const auto found = slots_.find(index);
+  assert(order_ == MergeOrder::kAsComplete || found != slots_.end());
+  if (found == slots_.end() || !found->second.owed_by.contains(source)) return;
+  Slot& slot = found->second;
   slot.step.outputs.insert_or_assign(source, std::move(output));
   slot.owed_by.erase(source);
   ready_.notify_one();
@@ -37,17 +38,16 @@ std::optional<MergedStep> MergeWindow::take() {
     return aborted_ || slot != slots_.end() || (slots_.empty() && closed_);
   });
   if (aborted_ || slots_.empty()) return std::nullopt;
-  std::optional<MergedStep> step(std::move(slot->step));
-  slot->taken = true;
-  for (; !slots_.empty() && slots_.front().taken; ++first_index_) slots_.pop_front();
+  std::optional<MergedStep> step(std::move(slot->second.step));
+  slots_.erase(slot);
   room_.notify_one();
   return step;
 }
 
-std::deque<MergeWindow::Slot>::iterator MergeWindow::next_slot() {
-  const auto complete = [](const Slot& slot) { return !slot.taken && slot.owed_by.empty(); };
+MergeWindow::Slots::iterator MergeWindow::next_slot() {
+  const auto complete = [](const auto& slot) { return slot.second.owed_by.empty(); };
   if (order_ == MergeOrder::kAsComplete) return std::find_if(slots_.begin(), slots_.end(), complete);
-  return slots_.empty() || !complete(slots_.front()) ? slots_.end() : slots_.begin();
+  return slots_.empty() || !complete(*slots_.begin()) ? slots_.end() : slots_.begin();
 }
 
 void MergeWindow::close() {

@@ -4,12 +4,12 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "common/occupancy_grid.hpp"
 #include "common/pose2.hpp"
@@ -45,6 +45,7 @@ struct MergedStep {
   std::optional<common::Pose2> T_odom_base;  ///< of the newest wheel odometry up to this input
   std::optional<common::WheelOdometry> odometry;
   std::optional<common::RejectedMessage> rejected;     ///< by the reader
+  std::optional<std::string> dropped_of;               ///< the sensor whose message a busy module did not get
   std::map<common::PoseSource, ModuleOutput> outputs;  ///< in the order of PoseSource
 };
 
@@ -58,13 +59,15 @@ enum class MergeOrder {
 ///
 /// The reader opens a slot for every input, naming the modules that get it; each module completes its part; the fusion
 /// takes slots in index order, each as soon as no module owes anything for it. So the fusion sees outputs sorted by
-/// (index, source) however the threads ran. The number of open slots is bounded: the reader waits.
+/// (index, source) however the threads ran. The number of open slots is bounded: the reader waits. Live, what has been
+/// taken leaves its slot even when steps before it still wait for a slow module, so that one holds up the reader only
+/// when it owes as many outputs as there are slots.
 class MergeWindow {
  public:
   explicit MergeWindow(std::size_t capacity, MergeOrder order = MergeOrder::kByIndex)
       : capacity_(capacity), order_(order) {}
 
-  /// Reader: adds a step (indices must increase by one) that `owed_by` still have to complete. Waits for room. Returns
+  /// Reader: adds a step (indices must rise) that `owed_by` still have to complete. Waits for room. Returns
   /// false after abort().
   bool open(MergedStep step, std::set<common::PoseSource> owed_by);
   /// Module: its part of step `index` is done. Nothing happens when the step did not wait for it.
@@ -82,19 +85,18 @@ class MergeWindow {
   struct Slot {
     MergedStep step;
     std::set<common::PoseSource> owed_by;
-    bool taken = false;
   };
+  using Slots = std::map<SequenceIndex, Slot>;
 
   /// The slot to take next, if it is complete.
-  std::deque<Slot>::iterator next_slot();
+  Slots::iterator next_slot();
 
   const std::size_t capacity_;
   const MergeOrder order_;
   std::mutex mutex_;
   std::condition_variable room_;
   std::condition_variable ready_;
-  std::deque<Slot> slots_;  // indices first_index_, first_index_ + 1, ...
-  SequenceIndex first_index_ = 0;
+  Slots slots_;
   bool closed_ = false;
   bool aborted_ = false;
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/pipeline.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <deque>
 #include <exception>
 #include <functional>
@@ -25,6 +27,10 @@ namespace slamfuse::service {
 namespace {
 
 using common::PoseSource;
+
+/// What may wait for a busy module in a live run, where nobody may wait for it: of scans and images the backlog, and
+/// the odometry of many seconds between them.
+constexpr std::size_t kLiveQueue = 4096;
 
 /// The stages of a run, the same for one thread and for many.
 struct Stages {
@@ -112,8 +118,9 @@ class ThreadedRun {
         options_(options),
         stop_(stop),
         stages_(parts, options),
-        window_(options.queue_capacity, options.live_backlog > 0 ? MergeOrder::kAsComplete : MergeOrder::kByIndex) {
-    for (std::size_t i = 0; i < stages_.modules.size(); ++i) lanes_.emplace_back(options.queue_capacity);
+        window_(options.queue_capacity, is_live() ? MergeOrder::kAsComplete : MergeOrder::kByIndex) {
+    const std::size_t capacity = is_live() ? std::max(options.queue_capacity, kLiveQueue) : options.queue_capacity;
+    for (std::size_t i = 0; i < stages_.modules.size(); ++i) lanes_.emplace_back(capacity);
   }
 
   common::Result<PipelineOutcome> run() {
@@ -141,10 +148,16 @@ class ThreadedRun {
   /// The way to one module.
   struct Lane {
     explicit Lane(std::size_t capacity) : queue(capacity) {}
+    /// For another message, which must not wait; of scans and images so many may be under way.
+    bool has_room(bool exteroceptive, int most) const {
+      return queue.size() < queue.capacity() && (!exteroceptive || backlog < most);
+    }
     BoundedQueue<std::shared_ptr<const NumberedMessage>> queue;
     std::atomic<int> backlog = 0;  // scans or images in the queue or being processed
     std::size_t dropped = 0;       // by the reading thread only
   };
+
+  bool is_live() const { return options_.live_backlog > 0; }
 
   void read() {
     while (!stop_) {
@@ -168,14 +181,15 @@ class ThreadedRun {
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       const ModuleStage& module = stages_.modules[i];
       if (!module.wants(input.message->message)) continue;
-      if (exteroceptive && options_.live_backlog > 0 && lanes_[i].backlog >= options_.live_backlog) {
-        ++lanes_[i].dropped;
+      if (is_live() && !lanes_[i].has_room(exteroceptive, options_.live_backlog)) {
+        if (exteroceptive) ++lanes_[i].dropped;
+        input.step.dropped_of = common::sensor_of(input.message->message);
       } else {
         receivers.insert(module.source());
       }
     }
     // Live, odometry goes on to the fusion at once: modules make no pose of it.
-    const bool wait_for_nobody = options_.live_backlog > 0 && !exteroceptive;
+    const bool wait_for_nobody = is_live() && !exteroceptive;
     if (!window_.open(std::move(input.step), wait_for_nobody ? std::set<PoseSource>() : receivers)) return false;
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (!receivers.contains(stages_.modules[i].source())) continue;

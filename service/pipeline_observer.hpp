@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "common/command.hpp"
@@ -29,6 +30,8 @@ class PipelineObserver {
   /// Asked of a module by the fusion or an operator; told when it is issued.
   virtual void on_command(common::PoseSource /*target*/, const common::Command& /*command*/) {}
   virtual void on_event(const common::Event& /*event*/) {}
+  /// A message of this sensor did not reach its module, which was busy; see PipelineOptions::live_backlog.
+  virtual void on_dropped(const std::string& /*sensor*/) {}
   /// What a module knows now, every PipelineOptions::checkpoint_interval.
   virtual void on_checkpoint(common::PoseSource /*source*/,
                              const std::shared_ptr<const ModuleCheckpoint>& /*checkpoint*/) {}
@@ -61,6 +64,9 @@ class ObserverList : public PipelineObserver {
   }
   void on_event(const common::Event& event) override {
     for (auto* observer : observers_) observer->on_event(event);
+  }
+  void on_dropped(const std::string& sensor) override {
+    for (auto* observer : observers_) observer->on_dropped(sensor);
   }
   void on_map(common::Nanoseconds stamp, const std::shared_ptr<const common::OccupancyGrid>& map) override {
     for (auto* observer : observers_) observer->on_map(stamp, map);

@@ -25,7 +25,7 @@ struct ServiceOptions {
                   "A command of the fusion takes effect this many messages after what caused it, always; larger lets "
                   "the modules run further ahead of each other.");
     visit.integer("queue_capacity", queue_capacity, {1, 10000}, "messages",
-                  "Messages that may wait for a module; bounds the memory.");
+                  "`run`: messages that may wait for a module; bounds the memory.");
     visit.real("map_interval", map_interval, {0.1, 3600.0}, "s",
                "Recording time between two pictures of the growing map.");
     visit.integer("live_backlog", live_backlog, {1, 10000}, "scans or images",

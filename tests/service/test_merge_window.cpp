@@ -43,5 +43,17 @@ TEST(MergeWindow, LiveTakesWhatIsCompleteFirst) {
   EXPECT_FALSE(window.take());
 }
 
+// What waits for a slow module takes room, what has been taken does not.
+TEST(MergeWindow, LiveASlowModuleDoesNotHoldUpTheReader) {
+  MergeWindow window(2, MergeOrder::kAsComplete);
+  window.open(step(0), {PoseSource::kVisual});
+  for (SequenceIndex index = 1; index < 100; ++index) {
+    ASSERT_TRUE(window.open(step(index), {}));
+    ASSERT_EQ(window.take()->index, index);
+  }
+  window.complete(0, PoseSource::kVisual, {});
+  EXPECT_EQ(window.take()->index, 0);
+}
+
 }  // namespace
 }  // namespace slamfuse::service

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -198,6 +200,41 @@ TEST(Pipeline, LiveASlowModuleLosesImagesAndHoldsNobodyUp) {
     EXPECT_EQ(counters.at(source).inputs, kRounds);
     EXPECT_EQ(counters.at(source).poses + counters.at(source).dropped, kRounds);
   }
+}
+
+// The odometry and the scans of a second and more come while the visual half is at one image.
+TEST(Pipeline, LiveAModuleThatHangsHoldsUpNobody) {
+  class Watcher : public PipelineObserver {
+   public:
+    void on_estimate(const common::PoseEstimate& estimate) override {
+      if (estimate.source != PoseSource::kLaser) return;
+      last_laser = std::chrono::steady_clock::now();
+    }
+    void on_dropped(const std::string& sensor) override { ++dropped[sensor]; }
+    std::chrono::steady_clock::time_point last_laser;
+    std::map<std::string, int> dropped;
+  };
+  bool first = true;
+  FakeModule laser(PoseSource::kLaser);
+  FakeModule visual(PoseSource::kVisual, [&first] {
+    if (std::exchange(first, false)) std::this_thread::sleep_for(2s);
+  });
+  FakeRecording recording(rounds(100));
+  FakeFusion fusion(0);
+  Watcher watcher;
+  PipelineOptions options;
+  options.threads = 2;
+  options.queue_capacity = 8;
+  options.live_backlog = 5;
+  const auto start = std::chrono::steady_clock::now();
+  const auto outcome = run_pipeline({&recording, {{&laser}, {&visual}}, &fusion, &watcher}, options, kNoStop);
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_LT(watcher.last_laser - start, 1s) << "the laser's poses waited for the visual half";
+  const auto& counters = outcome->counters;
+  EXPECT_EQ(watcher.dropped["laser0"], static_cast<int>(counters.at(PoseSource::kLaser).dropped));
+  EXPECT_EQ(watcher.dropped["cam0"], static_cast<int>(counters.at(PoseSource::kVisual).dropped));
+  EXPECT_GT(watcher.dropped["cam0"], 0);
+  EXPECT_EQ(watcher.dropped["odom0"], 0);
 }
 
 TEST(Pipeline, TellsCheckpointsInTheirIntervals) {
