@@ -2,10 +2,11 @@
 // A long run of the service: `slamfuse play` in a loop into `slamfuse serve`, its resident memory and the latency of
 // its poses over time.
 //
-//     benchmark_soak [--minutes M] [--rate X] [--recording PATH] [-- arguments of serve]
+//     benchmark_soak [--minutes M] [--rate X] [--recording PATH] [--modules laser|visual|laser,visual]
+//                    [-- further arguments of serve]
 //
 // Prints a row for each tenth of the time and the trend of memory over the last nine tenths. The map is made by `run`
-// first, and localised in: a robot that is carried to the start again and again makes no map.
+// with the same modules first, and localised in: a robot that is carried to the start again and again makes no map.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -38,19 +40,31 @@ struct Settings {
   double minutes = 10.0;
   std::string rate = "5";
   std::string recording = SLAMFUSE_DATA_DIR "/flat";
-  std::vector<std::string> serve{"--modules", "laser"};
+  std::string modules = "laser";
+  std::vector<std::string> serve;
 };
 
-Settings settings_of(int argc, char** argv) {
+/// Empty when a word is not known.
+std::optional<Settings> settings_of(int argc, char** argv) {
   Settings settings;
-  for (int i = 1; i + 1 < argc; ++i) {
+  for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--minutes") settings.minutes = std::atof(argv[++i]);
-    if (word == "--rate") settings.rate = argv[++i];
-    if (word == "--recording") settings.recording = argv[++i];
     if (word == "--") {
       settings.serve.assign(argv + i + 1, argv + argc);
       break;
+    }
+    if (i + 1 == argc) return std::nullopt;
+    const std::string value = argv[++i];
+    if (word == "--minutes") {
+      settings.minutes = std::atof(value.c_str());
+    } else if (word == "--rate") {
+      settings.rate = value;
+    } else if (word == "--recording") {
+      settings.recording = value;
+    } else if (word == "--modules") {
+      settings.modules = value;
+    } else {
+      return std::nullopt;
     }
   }
   return settings;
@@ -131,17 +145,23 @@ double slope(const std::vector<double>& samples) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Settings settings = settings_of(argc, argv);
+  const auto given = settings_of(argc, argv);
+  if (!given) {
+    std::fprintf(stderr, "see the head of benchmark_soak.cpp\n");
+    return 2;
+  }
+  const Settings& settings = *given;
   const fs::path folder = fs::temp_directory_path() / ("slamfuse-soak-" + std::to_string(::getpid()));
   fs::create_directories(folder);
   const system::Network network;
   const auto participant = network.join();
   std::printf("making the map\n");
   if (system::exit_status_of(system::start(
-          {SLAMFUSE_PROGRAM, "run", settings.recording, "-o", folder / "map", "--modules", "laser"})) != 0)
+          {SLAMFUSE_PROGRAM, "run", settings.recording, "-o", folder / "map", "--modules", settings.modules})) != 0)
     return 1;
-  std::vector<std::string> serve{SLAMFUSE_PROGRAM, "serve",        "-o",    folder / "out",
-                                 "--mode",         "localization", "--map", folder / "map" / "map"};
+  std::vector<std::string> serve{SLAMFUSE_PROGRAM, "serve",         "-o",    folder / "out",
+                                 "--mode",         "localization",  "--map", folder / "map" / "map",
+                                 "--modules",      settings.modules};
   serve.insert(serve.end(), settings.serve.begin(), settings.serve.end());
   const pid_t service = system::start(serve);
   const pid_t player = system::start(
