@@ -14,6 +14,7 @@
 #include "common/pose_estimate.hpp"
 #include "common/time.hpp"
 #include "common/trajectory.hpp"
+#include "service/state_history.hpp"
 #include "service/structure_picture.hpp"
 
 namespace slamfuse::service {
@@ -37,8 +38,10 @@ struct ReportSource {
   /// The path to draw, in the frame of the grid: the visual path brought over by the alignment, the odometry put on the
   /// first laser pose. Empty: not drawn.
   common::Trajectory2 path;
-  /// Every estimate with its state and health, in order. Empty for the odometry.
+  /// Estimates with their health, in order: all, or of a long session some. Empty for the odometry.
   std::vector<common::PoseEstimate> estimates;
+  /// When it was in which state, told by all estimates. Empty for the odometry.
+  std::vector<StateStretch> states;
   std::vector<ReportError> errors;    ///< empty without ground truth
   std::vector<ReportUpdate> updates;  ///< computing time of each input
 };

@@ -9,6 +9,7 @@
 
 #include "common/angle.hpp"
 #include "service/map_picture.hpp"
+#include "service/state_history.hpp"
 
 namespace slamfuse::service {
 namespace {
@@ -16,49 +17,38 @@ namespace {
 using common::PoseEstimate;
 using common::TrackingState;
 
-constexpr double kPoseLasts = 0.5;  // [s], the coverage rule of DESIGN section 5
 constexpr std::size_t kMaxBands = 1000;
 
-struct Stretch {
-  double from;
-  double to;
-  TrackingState state;
-};
-
 // The heights tell the states apart without colour.
-Band band_of(const Stretch& stretch) {
-  switch (stretch.state) {
+Band band_of(double from, double to, TrackingState state) {
+  switch (state) {
     case TrackingState::kTracking:
-      return {stretch.from, stretch.to, "tracking", 0.45};
+      return {from, to, "tracking", 0.45};
     case TrackingState::kUncertain:
-      return {stretch.from, stretch.to, "uncertain", 0.7};
+      return {from, to, "uncertain", 0.7};
     case TrackingState::kLost:
       break;
   }
-  return {stretch.from, stretch.to, "lost", 1.0};
+  return {from, to, "lost", 1.0};
 }
 
-void append(std::vector<Stretch>& stretches, Stretch next) {
-  if (!(next.to > next.from)) return;
-  if (!stretches.empty() && stretches.back().state == next.state) {
-    stretches.back().to = next.to;
-  } else {
-    stretches.push_back(next);
-  }
-}
-
-std::vector<Stretch> worst_of_equal_parts(const std::vector<Stretch>& stretches, double duration_s) {
-  std::vector<Stretch> coarse;
+// Of so many that they could not be told apart: each part of the time in its worst state.
+std::vector<Band> worst_of_equal_parts(const std::vector<Band>& bands, double duration_s) {
+  std::vector<Band> coarse;
   std::size_t first = 0;
   for (std::size_t k = 0; k < kMaxBands; ++k) {
     const double from = duration_s * static_cast<double>(k) / kMaxBands;
     const double to = duration_s * static_cast<double>(k + 1) / kMaxBands;
-    while (first + 1 < stretches.size() && stretches[first].to <= from) ++first;
-    TrackingState worst = stretches[first].state;
-    for (std::size_t i = first; i < stretches.size() && stretches[i].from < to; ++i) {
-      worst = std::max(worst, stretches[i].state);
+    while (first + 1 < bands.size() && bands[first].to <= from) ++first;
+    Band worst = bands[first];
+    for (std::size_t i = first; i < bands.size() && bands[i].from < to; ++i) {
+      if (bands[i].height > worst.height) worst = bands[i];
     }
-    append(coarse, {from, to, worst});
+    if (!coarse.empty() && coarse.back().style == worst.style) {
+      coarse.back().to = to;
+    } else {
+      coarse.push_back({from, to, worst.style, worst.height});
+    }
   }
   return coarse;
 }
@@ -118,27 +108,11 @@ void add_chart(std::vector<std::string>& charts, std::string chart) {
 }  // namespace
 
 std::vector<Band> state_bands(const ReportSource& source, common::Nanoseconds start, double duration_s) {
-  if (source.estimates.empty() || !(duration_s > 0.0)) return {};
-  std::vector<Stretch> stretches;
-  double told_until = 0.0;
-  for (std::size_t i = 0; i < source.estimates.size(); ++i) {
-    const double from = std::clamp(seconds_since(start, source.estimates[i].stamp), told_until, duration_s);
-    const double next = i + 1 < source.estimates.size()
-                            ? std::clamp(seconds_since(start, source.estimates[i + 1].stamp), from, duration_s)
-                            : duration_s;
-    const double to = std::min(next, from + kPoseLasts);
-    if (i == 0 && from <= kPoseLasts) {
-      told_until = from;  // the first measurement may be a moment late
-    }
-    append(stretches, {told_until, from, TrackingState::kLost});
-    append(stretches, {from, to, source.estimates[i].state});
-    told_until = to;
-  }
-  append(stretches, {told_until, duration_s, TrackingState::kLost});
-  if (stretches.size() > kMaxBands) stretches = worst_of_equal_parts(stretches, duration_s);
   std::vector<Band> bands;
-  for (const Stretch& stretch : stretches) bands.push_back(band_of(stretch));
-  return bands;
+  for (const auto& stretch : without_holes(source.states, start, start + common::from_seconds(duration_s))) {
+    bands.push_back(band_of(seconds_since(start, stretch.from), seconds_since(start, stretch.to), stretch.state));
+  }
+  return bands.size() > kMaxBands ? worst_of_equal_parts(bands, duration_s) : bands;
 }
 
 std::string plan_picture(const ReportData& data) {
@@ -173,7 +147,7 @@ std::vector<std::string> error_charts(const ReportData& data) {
 std::vector<std::string> state_charts(const ReportData& data) {
   std::vector<BandRow> rows;
   for (const ReportSource& source : data.sources) {
-    if (source.estimates.empty()) continue;
+    if (source.states.empty()) continue;
     rows.push_back({common::to_string(source.source), state_bands(source, data.start, data.duration_s)});
   }
   std::vector<std::string> charts;

@@ -9,9 +9,8 @@
 
 namespace slamfuse::service {
 
-/// When a source was in which state, in seconds since the start of the run: every estimate counts until the next one,
-/// at most 0.5 s (as in the coverage of metrics.json); a longer silence is LOST. Neighbours in one state are one band,
-/// and where there would be more than 1000, the worst state of each of 1000 equal stretches.
+/// When a source was in which state, in seconds since the start of the run, a silence of more than 0.5 s being LOST
+/// (see without_holes()). Where there would be more than 1000 bands, the worst state of each of 1000 equal stretches.
 std::vector<Band> state_bands(const ReportSource& source, common::Nanoseconds start, double duration_s);
 
 /// The plan with the grid, the paths and the landmarks; empty text when there is nothing to draw.

@@ -6,8 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "common/time.hpp"
 #include "service/report.hpp"
-#include "service/report_charts.hpp"
+#include "service/state_history.hpp"
 
 namespace slamfuse::service {
 namespace {
@@ -20,8 +21,9 @@ const ReportAccuracy* accuracy_of(const ReportData& data, const std::string& nam
 
 double lost_seconds(const ReportSource& source, const ReportData& data) {
   double seconds = 0.0;
-  for (const Band& band : state_bands(source, data.start, data.duration_s)) {
-    if (band.style == "lost") seconds += band.to - band.from;
+  for (const auto& stretch :
+       without_holes(source.states, data.start, data.start + common::from_seconds(data.duration_s))) {
+    if (stretch.state == common::TrackingState::kLost) seconds += common::to_seconds(stretch.to - stretch.from);
   }
   return seconds;
 }
@@ -39,7 +41,7 @@ std::string availability(const ReportData& data) {
   std::vector<std::string> parts;
   std::vector<std::string> always;
   for (const ReportSource& source : data.sources) {
-    if (source.source == common::PoseSource::kOdometry || source.estimates.empty()) continue;
+    if (source.source == common::PoseSource::kOdometry || source.states.empty()) continue;
     const double lost = lost_seconds(source, data);
     const std::string name = common::to_string(source.source);
     if (lost > 0.0) {

@@ -17,6 +17,7 @@ void RunRecorder::on_odometry(const common::WheelOdometry& odometry) {
 
 void RunRecorder::on_estimate(const common::PoseEstimate& estimate) {
   series(estimates_, estimate.source).push(estimate);
+  states_.try_emplace(estimate.source, most_kept_).first->second.push(estimate.stamp, estimate.state);
   if (estimate.state == common::TrackingState::kLost) return;
   series(trajectories_, estimate.source).push({estimate.stamp, estimate.pose});
   const common::Nanoseconds end = estimate.stamp + common::kCoveredByPose;
@@ -37,6 +38,7 @@ RunLog RunRecorder::log() const {
   RunLog log;
   for (const auto& [source, series] : trajectories_) log.trajectories[source] = series.items();
   for (const auto& [source, series] : estimates_) log.estimates[source] = series.items();
+  for (const auto& [source, states] : states_) log.states[source] = states.stretches();
   log.covered = covered_;
   log.status = status_.items();
   log.events.assign(events_.begin(), events_.end());

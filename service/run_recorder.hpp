@@ -10,6 +10,7 @@
 #include "common/trajectory.hpp"
 #include "fusion/status.hpp"
 #include "service/pipeline_observer.hpp"
+#include "service/state_history.hpp"
 #include "service/thinned_series.hpp"
 
 namespace slamfuse::service {
@@ -20,6 +21,8 @@ struct RunLog {
   std::map<common::PoseSource, common::Trajectory2> trajectories;
   /// Every estimate of laser, visual and fused, LOST ones too.
   std::map<common::PoseSource, std::vector<common::PoseEstimate>> estimates;
+  /// When each of them was in which state; of all estimates, kept or not.
+  std::map<common::PoseSource, std::vector<StateStretch>> states;
   std::vector<fusion::StatusEntry> status;
   std::vector<common::Event> events;
   /// Time that lies within kCoveredByPose after a pose that was not LOST, by source; of all poses, kept or not.
@@ -52,6 +55,7 @@ class RunRecorder : public PipelineObserver {
   const std::size_t most_kept_;
   BySource<common::StampedPose2> trajectories_;
   BySource<common::PoseEstimate> estimates_;
+  std::map<common::PoseSource, StateHistory> states_;
   std::map<common::PoseSource, common::Nanoseconds> covered_;
   std::map<common::PoseSource, common::Nanoseconds> covered_until_;
   ThinnedSeries<fusion::StatusEntry> status_;

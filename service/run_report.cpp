@@ -63,6 +63,7 @@ ReportSource source_of(const RunSummary& summary, PoseSource source) {
   report.path = path_to_draw(summary, source);
   if (const auto found = summary.log.estimates.find(source); found != summary.log.estimates.end()) {
     report.estimates = found->second;
+    report.states = summary.log.states.at(source);
   }
   if (const auto* row = accuracy_named(summary, common::to_string(source))) {
     for (const auto& error : row->accuracy.errors)

@@ -40,6 +40,7 @@ common::OccupancyGrid room() {
 ReportSource source(PoseSource which, std::size_t poses, double error) {
   ReportSource source;
   source.source = which;
+  StateHistory states;
   for (std::size_t i = 0; i < poses; ++i) {
     const auto t = static_cast<double>(i);
     const common::Nanoseconds stamp = kStart + static_cast<common::Nanoseconds>(i) * kStep;
@@ -66,8 +67,10 @@ ReportSource source(PoseSource which, std::size_t poses, double error) {
       estimate.health.innovation = 1.0 + 0.5 * std::cos(0.06 * t);
     }
     source.estimates.push_back(estimate);
+    states.push(stamp, estimate.state);
     source.updates.push_back({stamp, 5.0 + 4.0 * std::abs(std::sin(0.7 * t)) + (i % 97 == 0 ? 20.0 : 0.0)});
   }
+  source.states = states.stretches();
   return source;
 }
 

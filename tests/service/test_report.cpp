@@ -105,13 +105,10 @@ TEST(AlignmentTable, GivesTheReasonOfARefusal) {
 }
 
 ReportSource estimates_at(const std::vector<std::pair<double, common::TrackingState>>& states) {
+  StateHistory history;
+  for (const auto& [seconds, state] : states) history.push(common::from_seconds(seconds), state);
   ReportSource source;
-  for (const auto& [seconds, state] : states) {
-    common::PoseEstimate estimate;
-    estimate.stamp = common::from_seconds(seconds);
-    estimate.state = state;
-    source.estimates.push_back(estimate);
-  }
+  source.states = history.stretches();
   return source;
 }
 

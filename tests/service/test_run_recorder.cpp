@@ -47,7 +47,12 @@ TEST(RunRecorder, KnowsWhatThePosesCoverThoughItKeepsFew) {
   RunRecorder recorder(10);
   for (int i = 0; i <= 1000; ++i) recorder.on_estimate(estimate_at(i * kSecond / 10));  // 100 s
   recorder.on_estimate(estimate_at(110 * kSecond));
-  EXPECT_EQ(recorder.log().covered.at(PoseSource::kLaser), 101 * kSecond);  // 100.5 and 0.5 s
+  const RunLog log = recorder.log();
+  EXPECT_EQ(log.covered.at(PoseSource::kLaser), 101 * kSecond);  // 100.5 and 0.5 s
+  const auto& states = log.states.at(PoseSource::kLaser);
+  ASSERT_EQ(states.size(), 2U) << "what a report says of the states does not hang on the poses kept";
+  EXPECT_EQ(states[0].to, 100 * kSecond + kSecond / 2);
+  EXPECT_EQ(states[1].from, 110 * kSecond);
 }
 
 TEST(RunRecorder, ALostPoseIsAnEstimateButNoPartOfThePath) {
