@@ -18,16 +18,21 @@ constexpr double kSilentPeriods = 5.0;
 constexpr double kSoonestSilent = 1.0;
 
 /// Whether messages are due all the time: not of transforms and calibrations.
-bool is_steady(const InputState& input) { return !input.sensor.empty() && input.type != "sensor_msgs/msg/CameraInfo"; }
+bool is_steady(const InputState& input) { return !input.sensor.empty() && !is_calibration(input); }
+
+/// Whether a message has to come at least once: of sensors.
+bool is_due(const InputState& input, std::optional<double> age) {
+  return is_steady(input) || (is_calibration(input) && !age && input.required);
+}
 
 std::optional<double> age_of(const InputState& input, InputDiagnostics::Time now) {
   if (!input.last_arrival) return std::nullopt;
   return Seconds(now - *input.last_arrival).count();
 }
 
-/// What is wrong, the worst first; `before` is the last look, `rate` [1/s] the usual one.
-std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const InputState& before, double rate,
-                                                  std::optional<double> age) {
+/// What is wrong, the worst first; `before` is the last look.
+std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const InputState& before,
+                                                  const RateWatch& rate, std::optional<double> age) {
   if (input.writers == 0 && !input.incompatible_qos.empty()) {
     return {DiagnosisLevel::kError,
             fmt::format("QoS mismatch: the publisher's {} is not enough for this reader", input.incompatible_qos)};
@@ -36,14 +41,17 @@ std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const
     return {DiagnosisLevel::kError,
             fmt::format("type mismatch: {} is published, expected is {}", input.other_type, input.type)};
   }
-  if (input.writers == 0 && is_steady(input)) {
+  if (input.writers == 0 && is_due(input, age)) {
     if (!age) return {DiagnosisLevel::kError, "nobody publishes it"};
     return {DiagnosisLevel::kError, fmt::format("its publisher has gone, the last message is {:.1f} s old", *age)};
   }
-  const double patience = std::max(kSoonestSilent, rate > 0.0 ? kSilentPeriods / rate : 0.0);
-  if (is_steady(input) && !age) return {DiagnosisLevel::kError, "matched, but silent from the beginning"};
+  const double patience = std::max(kSoonestSilent, rate.rate() > 0.0 ? kSilentPeriods / rate.rate() : 0.0);
+  if (is_due(input, age) && !age) return {DiagnosisLevel::kError, "matched, but silent from the beginning"};
   if (is_steady(input) && *age > patience) {
     return {DiagnosisLevel::kError, fmt::format("matched, but silent for {:.1f} s", *age)};
+  }
+  if (!input.in_use && !input.not_usable.empty()) {
+    return {DiagnosisLevel::kError, "cannot be used: " + input.not_usable};
   }
   if (input.rejected > before.rejected) {
     return {DiagnosisLevel::kWarning,
@@ -55,6 +63,10 @@ std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const
   }
   if (input.lost > before.lost) {
     return {DiagnosisLevel::kWarning, fmt::format("{} messages lost on the way", input.lost - before.lost)};
+  }
+  if (const auto unusual = is_steady(input) ? rate.unusual() : std::nullopt) {
+    return {DiagnosisLevel::kWarning,
+            fmt::format("{:.1f} messages a second, usual are {:.1f}", *unusual, *rate.usual())};
   }
   return {DiagnosisLevel::kOk, "ok"};
 }
@@ -69,12 +81,8 @@ std::vector<Diagnosis> InputDiagnostics::look(const std::vector<InputState>& inp
     const bool new_topic = !seen_.contains(input.topic);
     Seen& seen = seen_[input.topic];
     const InputState before = new_topic ? input : seen.state;
-    if (!new_topic && now > seen.at && input.received > before.received) {
-      constexpr double kNewest = 0.3;  // of the smoothed rate
-      const double rate = static_cast<double>(input.received - before.received) / Seconds(now - seen.at).count();
-      seen.rate = seen.rate == 0.0 ? rate : (1.0 - kNewest) * seen.rate + kNewest * rate;
-    }
-    seen.at = now;
+    if (input.writers == 0) seen.rate.reset();
+    seen.rate.look(now, input.received);
     seen.state = input;
     const bool heard = input.received > 0 || !input.incompatible_qos.empty() || !input.other_type.empty();
     // Of a picture's raw and compressed topics one is enough: the other one has nothing to say.
@@ -87,7 +95,7 @@ std::vector<Diagnosis> InputDiagnostics::look(const std::vector<InputState>& inp
                         {"type", input.type},
                         {"in use", input.in_use ? "yes" : "no"},
                         {"publishers", std::to_string(input.writers)},
-                        {"rate [Hz]", fmt::format("{:.2f}", seen.rate)},
+                        {"rate [Hz]", fmt::format("{:.2f}", seen.rate.rate())},
                         {"age [s]", age ? fmt::format("{:.3f}", *age) : std::string("never heard")},
                         {"received", std::to_string(input.received)},
                         {"rejected", std::to_string(input.rejected)},

@@ -12,6 +12,7 @@
 
 #include "idl/message.hpp"
 #include "service/input_state.hpp"
+#include "service/rate_watch.hpp"
 
 namespace slamfuse::service {
 
@@ -43,9 +44,8 @@ class InputDiagnostics {
 
  private:
   struct Seen {
-    Time at;
     InputState state;
-    double rate = 0.0;  // [1/s], smoothed
+    RateWatch rate;
   };
   std::map<std::string, Seen> seen_;  // by topic
 };

@@ -17,6 +17,7 @@ struct InputState {
   std::string type;              ///< "sensor_msgs/msg/LaserScan"
   bool required = false;         ///< named by the user
   bool in_use = false;           ///< by a module
+  std::string not_usable;        ///< what is missing or wrong of its sensor that nothing can be done with it
   int writers = 0;               ///< matched
   std::string incompatible_qos;  ///< the policy that kept a writer from matching; empty: none did
   std::string other_type;        ///< that somebody publishes under this name while nobody publishes `type`
@@ -29,5 +30,8 @@ struct InputState {
   std::optional<std::chrono::steady_clock::time_point> last_arrival;
   std::optional<common::Nanoseconds> clock_offset;  ///< clock at arrival minus stamp, of the last message
 };
+
+/// Whether a topic tells how a camera is built, which it may do once or all the time.
+inline bool is_calibration(const InputState& input) { return input.type == "sensor_msgs/msg/CameraInfo"; }
 
 }  // namespace slamfuse::service

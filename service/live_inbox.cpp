@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/live_inbox.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -198,6 +199,14 @@ void LiveInbox::used(std::size_t input, common::Nanoseconds stamp, common::Nanos
 void LiveInbox::dropped(std::size_t input) {
   const std::lock_guard lock(mutex_);
   ++inputs_[input].state.dropped;
+}
+
+void LiveInbox::dropped(const std::string& sensor) {
+  const std::lock_guard lock(mutex_);
+  const auto data = std::ranges::find_if(inputs_, [&sensor](const Input& input) {
+    return input.state.sensor == sensor && input.state.last_stamp && !is_calibration(input.state);
+  });
+  if (data != inputs_.end()) ++data->state.dropped;
 }
 
 InputState LiveInbox::rejected(std::size_t input, const std::string& reason) {

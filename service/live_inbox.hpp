@@ -72,6 +72,8 @@ class LiveInbox {
   void used(std::size_t input, common::Nanoseconds stamp, common::Nanoseconds clock_offset);
   void dropped(std::size_t input);
   InputState rejected(std::size_t input, const std::string& reason);
+  /// The same as dropped() of the topic on which this sensor's data comes; from any thread.
+  void dropped(const std::string& sensor);
 
   /// Every topic listened to as far as its messages tell.
   std::vector<InputState> topics() const;

@@ -2,14 +2,19 @@
 #include "service/live_source.hpp"
 
 #include <deque>
+#include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/ros_conversions.hpp"
 #include "idl/publications.hpp"
+#include "service/calibration_guard.hpp"
 #include "service/clock_now.hpp"
 #include "service/live_decoder.hpp"
 #include "service/live_inbox.hpp"
@@ -97,14 +102,24 @@ class LiveSource::Impl {
     end_wanted_ = reason;
   }
 
-  std::optional<std::string> restart_wanted() { return std::exchange(restart_, std::nullopt); }
+  std::optional<std::string> restart_wanted() {
+    if (restart_) decide();
+    return std::exchange(restart_, std::nullopt);
+  }
+
+  void dropped(const std::string& sensor) { inbox_.dropped(sensor); }
 
   const common::RecordingInfo& info() const { return info_; }
 
   std::vector<InputState> inputs() const {
     std::vector<InputState> states = inbox_.inputs();
     const std::lock_guard lock(mutex_);
-    for (InputState& state : states) state.in_use = state.sensor.empty() || info_.sensors.contains(state.sensor);
+    for (InputState& state : states) {
+      state.in_use = state.sensor.empty() || info_.sensors.contains(state.sensor);
+      if (const auto problem = problems_.find(state.sensor); problem != problems_.end()) {
+        state.not_usable = problem->second;
+      }
+    }
     return states;
   }
 
@@ -129,6 +144,9 @@ class LiveSource::Impl {
   void learn(const LiveArrival& arrival) {
     const std::string sensor = inbox_.sensor_of(arrival.input);
     std::visit([&](const auto& message) { discovery_.hear(sensor, *message); }, arrival.payload);
+    if (sensor.empty()) return;
+    const std::lock_guard lock(mutex_);
+    problems_[sensor] = discovery_.problem_of(sensor);
   }
 
   bool all_named() const { return !options_.inbox.topics.empty(); }
@@ -137,25 +155,35 @@ class LiveSource::Impl {
   /// In words; empty when it can start.
   std::string missing_sensors() const {
     std::vector<std::string> missing;
-    bool eyes = false;
+    std::set<SensorKind> kinds;
     for (const InputState& state : inbox_.topics()) {
       if (state.sensor.empty()) continue;
       const bool heard = discovery_.usable(state.sensor);
       const SensorKind kind = *kind_of_sensor(state.sensor);
-      eyes |= heard && kind != SensorKind::kOdometry;
+      if (heard) kinds.insert(kind);
       // Another system may be started again, or for the first time, when it pleases; one of them is enough to begin.
       if (!state.required || heard || kind == SensorKind::kPose) continue;
       const std::string problem = discovery_.problem_of(state.sensor);
       missing.push_back(
           fmt::format("{} on {}{}", state.sensor, state.topic, problem.empty() ? std::string() : " (" + problem + ")"));
     }
+    const auto none = [&kinds](SensorKind kind) { return !kinds.contains(kind); };
+    if (missing.empty() && !all_named()) {
+      if (options_.needs_laser && none(SensorKind::kLaser)) missing.emplace_back("a laser");
+      if (options_.needs_camera && none(SensorKind::kCamera)) missing.emplace_back("a calibrated camera");
+    }
     if (!missing.empty()) return fmt::format("{}", fmt::join(missing, ", "));
-    return eyes ? std::string() : std::string("a laser, a calibrated camera or poses of another system");
+    const bool blind = none(SensorKind::kLaser) && none(SensorKind::kCamera) && none(SensorKind::kPose);
+    return blind ? std::string("a laser, a calibrated camera or poses of another system") : std::string();
   }
 
   /// Takes what has been found out as what this recording is.
   void decide() {
-    common::RecordingInfo info = info_;
+    common::RecordingInfo info;
+    info.path = info_.path;
+    info.format = info_.format;
+    calibrations_.reset();
+    latecomers_ = 0;
     discovery_.describe(info);
     for (const auto& [camera, readout] : options_.readout) {
       const auto found = info.calibration.cameras.find(camera);
@@ -170,7 +198,7 @@ class LiveSource::Impl {
         info.sensors[sensor].kind = SensorKind::kPose;  // it may come yet
     }
     // What is rejected before the first good message still happened about then, not in 1970.
-    last_stamp_ = discovery_.newest_stamp();
+    if (last_stamp_ == 0) last_stamp_ = discovery_.newest_stamp();
     const std::lock_guard lock(mutex_);
     info_ = std::move(info);
   }
@@ -179,10 +207,14 @@ class LiveSource::Impl {
 
   std::optional<common::RecordingItem> to_item(const LiveArrival& arrival) {
     const std::string sensor = inbox_.sensor_of(arrival.input);
-    if (!info_.sensors.contains(sensor)) return std::nullopt;  // transforms, and sensors that do not take part
+    if (!info_.sensors.contains(sensor)) {
+      meet_latecomer(arrival, sensor);
+      return std::nullopt;
+    }
     if (const auto* info = std::get_if<idl::Message<idl::CameraInfo>>(&arrival.payload)) {
       return check_camera(arrival, sensor, **info);
     }
+    if (calibrations_.doubts(sensor)) return doubt_picture(arrival, sensor);
     meet_late(arrival, sensor);
     auto message = decoder_.decode(arrival.payload, sensor);
     if (!message) return reject(arrival, sensor, message.error().message);
@@ -204,6 +236,20 @@ class LiveSource::Impl {
     return common::RecordingItem(std::move(*message));
   }
 
+  /// Learns from transforms and from sensors that take no part yet. Those that could take part do so in a session of
+  /// their own, once nothing new has appeared for a while.
+  void meet_latecomer(const LiveArrival& arrival, const std::string& sensor) {
+    if (sensor.empty() || !discovery_.usable(sensor)) learn(arrival);
+    std::vector<std::string> latecomers;
+    for (const std::string& usable : discovery_.usable_sensors()) {
+      if (!info_.sensors.contains(usable)) latecomers.push_back(usable);
+    }
+    if (latecomers.size() > latecomers_) met_latecomer_ = arrival.at;
+    latecomers_ = latecomers.size();
+    if (latecomers.empty() || arrival.at - met_latecomer_ < settle()) return;
+    restart_ = fmt::format("{} can take part now", fmt::join(latecomers, ", "));
+  }
+
   /// Learns whose pose another system tells that was not heard before it all began.
   void meet_late(const LiveArrival& arrival, const std::string& sensor) {
     if (info_.sensors.at(sensor).kind != SensorKind::kPose || decoder_.knows_child_frame(sensor)) return;
@@ -211,16 +257,28 @@ class LiveSource::Impl {
     if (discovery_.usable(sensor)) decoder_.set_child_frame(sensor, discovery_.T_child_base(sensor));
   }
 
-  /// A calibration cannot change under way: what says so is told.
+  /// A calibration cannot change under way: another one is told, and begins a session of its own when it stays.
   std::optional<common::RecordingItem> check_camera(const LiveArrival& arrival, const std::string& sensor,
                                                     const idl::CameraInfo& message) {
     const auto info = from_ros(message);
     if (!info) return reject(arrival, sensor, info.error().message);
-    const common::RosCameraInfo& known = discovery_.camera_info(sensor);
-    if (info->k == known.k && info->d == known.d && info->width == known.width && info->height == known.height) {
-      return std::nullopt;
+    if (const auto usable = common::camera_calibration_of(*info, {}); !usable) {
+      return reject(arrival, sensor, usable.error().message);
     }
-    return reject(arrival, sensor, "camera_info changed, which takes a restart; the first one is used");
+    if (calibrations_.keeps(sensor, discovery_.camera_info(sensor), *info, arrival.at)) return std::nullopt;
+    return doubt(arrival, sensor, "it tells another calibration than before");
+  }
+
+  common::RecordingItem doubt_picture(const LiveArrival& arrival, const std::string& sensor) {
+    return doubt(arrival, sensor, "its camera_info tells another calibration than before");
+  }
+
+  common::RecordingItem doubt(const LiveArrival& arrival, const std::string& sensor, const std::string& reason) {
+    if (auto insisted = calibrations_.insisted_on(sensor, arrival.at)) {
+      discovery_.replace(sensor, *std::move(insisted));
+      restart_ = "the calibration of " + sensor + " changed";
+    }
+    return reject(arrival, sensor, reason);
   }
 
   common::RecordingItem reject(const LiveArrival& arrival, const std::string& sensor, const std::string& reason) {
@@ -232,9 +290,10 @@ class LiveSource::Impl {
   const std::atomic<bool>& stop_;
   LiveInbox inbox_;
 
-  mutable std::mutex mutex_;  // guards end_wanted_, and info_ where another thread looks at it
+  mutable std::mutex mutex_;  // guards end_wanted_, problems_, and info_ where another thread looks at it
   common::RecordingInfo info_;
   std::optional<std::string> end_wanted_;
+  std::map<std::string, std::string> problems_;  // by sensor, why it cannot be used
 
   // of the thread that calls prepare() and next()
   std::deque<LiveArrival> backlog_;
@@ -242,6 +301,9 @@ class LiveSource::Impl {
   SensorDiscovery discovery_;
   LiveDecoder decoder_{info_};
   StampGuard stamps_;
+  CalibrationGuard calibrations_;
+  std::size_t latecomers_ = 0;       // sensors that could take part and do not
+  Clock::time_point met_latecomer_;  // the newest of them
   OdometryGuard odometry_;
   common::Nanoseconds last_stamp_ = 0;
   std::optional<std::string> restart_;
@@ -265,6 +327,7 @@ const common::RecordingInfo& LiveSource::info() const { return impl_->info(); }
 Result<std::optional<common::RecordingItem>> LiveSource::next() { return impl_->next(); }
 std::optional<std::string> LiveSource::restart_wanted() { return impl_->restart_wanted(); }
 void LiveSource::end_session(const std::string& reason) { impl_->end_session(reason); }
+void LiveSource::dropped(const std::string& sensor) { impl_->dropped(sensor); }
 std::vector<InputState> LiveSource::inputs() const { return impl_->inputs(); }
 
 }  // namespace slamfuse::service

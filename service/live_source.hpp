@@ -25,6 +25,8 @@ struct LiveSourceOptions {
   LiveInboxOptions inbox;
   std::string base_frame = "base_link";
   std::map<std::string, double> readout;  ///< of a camera's rolling shutter [s], which camera_info cannot tell
+  bool needs_laser = false;               ///< of the default topics, so that it does not start without
+  bool needs_camera = false;              ///< likewise
   double settle = 0.5;                    ///< [s] after the last sensor appeared, for others to appear
   OdometryLimits odometry;                ///< beyond which it is not believed
 };
@@ -47,14 +49,20 @@ class LiveSource final : public common::Recording {
   common::Result<void> prepare(const std::function<void(const std::string&)>& tell);
 
   const common::RecordingInfo& info() const override;
-  /// The next message, waiting for it. Empty when stopped, or when a clock stepped back: then restart_wanted().
+  /// The next message, waiting for it. Empty when stopped, or when what follows is for new modules, since a clock
+  /// stepped back, a sensor can take part that could not before, or a camera's calibration changed: then
+  /// restart_wanted().
   common::Result<std::optional<common::RecordingItem>> next() override;
 
-  /// Why what follows belongs to another time: next() goes on with it, for new modules. Empty once asked.
+  /// Why what follows is for new modules: next() goes on with it, and info() says what it is from now on. Only when
+  /// nobody uses the info() of before any more. Empty once asked.
   std::optional<std::string> restart_wanted();
 
   /// From any thread: next() is to come to an end for this reason, as when a clock stepped back.
   void end_session(const std::string& reason);
+
+  /// A message of this sensor was not used, since its module was busy; from any thread.
+  void dropped(const std::string& sensor);
 
   /// Every topic listened to; from any thread.
   std::vector<InputState> inputs() const;

@@ -13,6 +13,13 @@ namespace slamfuse::service {
 
 using common::SensorKind;
 
+namespace {
+
+/// No robot has more; a sender that makes up ever new ones shall not fill the memory.
+constexpr std::size_t kMostFrames = 2000;
+
+}  // namespace
+
 std::optional<SensorKind> kind_of_sensor(const std::string& name) {
   if (name == kLaserPose || name == kVisualPose) return SensorKind::kPose;
   if (name.starts_with("laser")) return SensorKind::kLaser;
@@ -78,7 +85,16 @@ void SensorDiscovery::hear(const std::string& sensor, const idl::CompressedImage
 void SensorDiscovery::hear(const std::string& /*sensor*/, const idl::TFMessage& transforms) {
   const auto read = from_ros(transforms);
   if (!read) return;
-  for (const auto& transform : *read) frames_.add(transform.header.frame, transform.child_frame, transform.pose);
+  for (const auto& transform : *read) {
+    if (frames_.size() == kMostFrames) return;
+    frames_.add(transform.header.frame, transform.child_frame, transform.pose);
+  }
+}
+
+void SensorDiscovery::replace(const std::string& camera, common::RosCameraInfo info) {
+  Heard& heard = heard_.at(camera);
+  use(heard, info.header);
+  heard.camera = std::move(info);
 }
 
 bool SensorDiscovery::usable(const std::string& sensor) const {
@@ -105,7 +121,10 @@ std::set<std::string> SensorDiscovery::usable_sensors() const {
 
 std::string SensorDiscovery::problem_of(const std::string& sensor) const {
   const auto found = heard_.find(sensor);
-  return found == heard_.end() || usable(sensor) ? std::string() : found->second.problem;
+  if (found == heard_.end() || usable(sensor)) return {};
+  const Heard& heard = found->second;
+  if (!heard.problem.empty() || kind_of_sensor(sensor) != SensorKind::kCamera) return heard.problem;
+  return heard.message ? "no camera_info was heard of it" : "no picture was heard of it";
 }
 
 void SensorDiscovery::describe(common::RecordingInfo& info) const {

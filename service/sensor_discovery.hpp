@@ -35,10 +35,14 @@ class SensorDiscovery {
   /// Learns where frames are; belongs to no sensor. Transforms that cannot be used tell nothing.
   void hear(const std::string& sensor, const idl::TFMessage& transforms);
 
+  /// A usable camera tells another calibration, which is usable too.
+  void replace(const std::string& camera, common::RosCameraInfo info);
+
   /// Whether all is known of a sensor but where it is mounted.
   bool usable(const std::string& sensor) const;
   std::set<std::string> usable_sensors() const;
-  /// Why what was heard of a sensor cannot be used; empty if it can, or nothing was heard.
+  /// Why what was heard of a sensor cannot be used, or what is missing of a camera; empty if it can, or nothing was
+  /// heard.
   std::string problem_of(const std::string& sensor) const;
 
   /// Writes the usable sensors with their calibration into `info`, and a note for each mounting that tf does not tell:

@@ -63,6 +63,16 @@ std::string sensors_in_words(const common::RecordingInfo& info) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// Keeps the books of what was dropped where the robot's topics are watched.
+class DropTeller : public PipelineObserver {
+ public:
+  explicit DropTeller(LiveSource& source) : source_(source) {}
+  void on_dropped(const std::string& sensor) override { source_.dropped(sensor); }
+
+ private:
+  LiveSource& source_;
+};
+
 /// Whether a module may take part.
 bool wants(const RunRequest& run, const std::string& module) {
   return run.modules.empty() || std::ranges::find(run.modules, module) != run.modules.end();
@@ -88,7 +98,7 @@ class Session {
     DdsPublisher publisher(outputs_, request_.configuration.service.dds, [&session] { return session->alignment(); });
 
     started_ = true;
-    auto summary = run(*session, publisher, (*folder)->path());
+    auto summary = run(*session, source, publisher, (*folder)->path());
     if (!summary) return tl::unexpected(summary.error());
     tell_failures(publisher, *summary);
     auto done = write_run_files(*summary, **folder);
@@ -110,17 +120,20 @@ class Session {
   bool can_continue() const { return can_continue_; }
 
  private:
-  Result<RunSummary> run(RunSession& session, DdsPublisher& publisher, const std::filesystem::path& folder) {
+  Result<RunSummary> run(RunSession& session, LiveSource& source, DdsPublisher& publisher,
+                         const std::filesystem::path& folder) {
     const ServiceOptions& service = request_.configuration.service;
     const auto saver = std::make_shared<MapSaver>(
         folder / "map", request_.seed, request_.recording.string(), [&session] { return session.alignment(); },
         static_cast<std::size_t>(service.live_history));
     const auto requests = std::make_shared<PipelineRequests>();
     EventTeller events(tell_);
+    DropTeller drops(source);
     ObserverList observers;
     observers.add(publisher);
     observers.add(*saver);
     observers.add(events);
+    observers.add(drops);
     static const std::atomic<bool> kToTheEnd{false};  // of the source: what has arrived is still worth processing
     control_.begin({requests, saver, session.map_makers(), {request_.mode, request_.map}});
     auto summary = session.run(&observers, kToTheEnd, requests.get());
@@ -181,7 +194,8 @@ Result<std::string> run_sessions(const std::shared_ptr<DdsOutputs>& outputs, Liv
       tell(*restart);
       std::tie(run.mode, run.map) = std::tie(wanted->mode, wanted->map);
     } else {
-      tell(*restart + "; starting anew" + (session.can_continue() ? " in the map made so far" : ""));
+      tell(fmt::format("{}; starting anew{} with {}", *restart, session.can_continue() ? " in the map made so far" : "",
+                       sensors_in_words(source.info())));
     }
   }
 }
@@ -201,6 +215,8 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
   options.odometry = request.run.configuration.service.odometry;
   options.inbox.lasers = wants(request.run, "laser");
   options.inbox.cameras = wants(request.run, "visual");
+  options.needs_laser = options.inbox.lasers && !request.run.modules.empty();
+  options.needs_camera = options.inbox.cameras && !request.run.modules.empty();
   const DdsOptions& dds = request.run.configuration.service.dds;
   const auto participant = idl::Participant::join(dds.network);
   if (!participant) return tl::unexpected(participant.error());

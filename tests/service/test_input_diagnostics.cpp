@@ -86,6 +86,59 @@ TEST(InputDiagnostics, TellsWhatWasRejectedAndDroppedSinceTheLastLook) {
   EXPECT_THAT(diagnosis.message, HasSubstr("4 messages dropped"));
 }
 
+TEST(InputDiagnostics, NamesARateThatIsNotTheUsualOne) {
+  InputDiagnostics diagnostics;
+  std::size_t received = 0;
+  auto now = kStart;
+  for (int second = 0; second < 8; ++second, now += 1s, received += 10) diagnostics.look({scans(received, now)}, now);
+  const auto faster = diagnostics.look({scans(received + 90, now)}, now);
+  EXPECT_EQ(faster.front().level, DiagnosisLevel::kWarning);
+  EXPECT_EQ(faster.front().message, "100.0 messages a second, usual are 10.0");
+}
+
+TEST(InputDiagnostics, APublisherThatComesBackMayHaveAnotherRate) {
+  InputDiagnostics diagnostics;
+  std::size_t received = 0;
+  auto now = kStart;
+  for (int second = 0; second < 8; ++second, now += 1s, received += 10) diagnostics.look({scans(received, now)}, now);
+  auto gone = scans(received, now);
+  gone.writers = 0;
+  diagnostics.look({gone}, now);
+  now += 1s;
+  for (int second = 0; second < 8; ++second, now += 1s, received += 100) {
+    EXPECT_EQ(diagnostics.look({scans(received, now)}, now).front().message, "ok");
+  }
+}
+
+TEST(InputDiagnostics, NamesWhatIsMissingOfASensorThatIsHeard) {
+  InputState state;
+  state.sensor = "cam0";
+  state.topic = "cam0/image_raw";
+  state.type = "sensor_msgs/msg/Image";
+  state.writers = 1;
+  state.received = 5;
+  state.last_arrival = kStart + 3s;
+  state.not_usable = "no camera_info was heard of it";
+  const auto diagnosis = then(state, kStart + 3s);
+  EXPECT_EQ(diagnosis.level, DiagnosisLevel::kError);
+  EXPECT_EQ(diagnosis.message, "cannot be used: no camera_info was heard of it");
+}
+
+TEST(InputDiagnostics, ACalibrationIsDueOnceAndNeverLate) {
+  InputState state;
+  state.sensor = "cam0";
+  state.topic = "cam0/camera_info";
+  state.type = "sensor_msgs/msg/CameraInfo";
+  state.required = true;
+  EXPECT_EQ(then(state, kStart + 3s).message, "nobody publishes it");
+  state.writers = 1;
+  EXPECT_EQ(then(state, kStart + 3s).message, "matched, but silent from the beginning");
+  state.in_use = true;
+  state.received = 1;
+  state.last_arrival = kStart;
+  EXPECT_EQ(then(state, kStart + 1h).message, "ok");
+}
+
 TEST(InputDiagnostics, PassesOverWhatNobodyUses) {
   InputState state;
   state.sensor = "cam3";

@@ -53,11 +53,13 @@ TEST_F(LiveInboxTest, TakesMessagesAndKeepsTheBooks) {
   EXPECT_FALSE(box->take(10ms));
   box->used(arrival->input, kStamp, 7);
   box->dropped(arrival->input);
+  box->dropped("laser0");
+  box->dropped("cam0");
   EXPECT_EQ(box->rejected(arrival->input, "a reason").rejected, 1u);
   const InputState state = state_of(*box, "front/scan");
   EXPECT_EQ(state.received, 1u);
   EXPECT_EQ(state.writers, 1);
-  EXPECT_EQ(state.dropped, 1u);
+  EXPECT_EQ(state.dropped, 2u);
   EXPECT_EQ(state.last_stamp, kStamp);
   EXPECT_EQ(state.last_rejection, "a reason");
   EXPECT_TRUE(state.required);

@@ -76,12 +76,40 @@ TEST(SensorDiscovery, ASensorWhoseMountingNobodyTellsIsAtTheRobotAndANoteSaysSo)
 
 TEST(SensorDiscovery, ACameraNeedsCalibrationAndAPicture) {
   SensorDiscovery discovery("base_link");
+  EXPECT_EQ(discovery.problem_of("cam0"), "");
   discovery.hear("cam0", *image());
   EXPECT_FALSE(discovery.usable("cam0"));
+  EXPECT_EQ(discovery.problem_of("cam0"), "no camera_info was heard of it");
+  discovery.hear("cam1", *camera_info());
+  EXPECT_EQ(discovery.problem_of("cam1"), "no picture was heard of it");
   discovery.hear("cam0", *camera_info());
   EXPECT_TRUE(discovery.usable("cam0"));
   EXPECT_EQ(discovery.usable_sensors(), std::set<std::string>{"cam0"});
   EXPECT_EQ(discovery.camera_info("cam0").width, 4);
+}
+
+TEST(SensorDiscovery, ACalibrationMayBeReplacedByAnother) {
+  SensorDiscovery discovery("base_link");
+  discovery.hear("cam0", *camera_info());
+  discovery.hear("cam0", *image());
+  auto other = discovery.camera_info("cam0");
+  other.k[0] = 3.0;
+  discovery.replace("cam0", other);
+  common::RecordingInfo info;
+  discovery.describe(info);
+  EXPECT_EQ(info.calibration.cameras.at("cam0").fx, 3.0);
+}
+
+TEST(SensorDiscovery, FramesThatNoRobotHasDoNotFillTheMemory) {
+  SensorDiscovery discovery("base_link");
+  discovery.hear("laser0", *scan("front"));
+  for (int i = 0; i < 3000; ++i) {
+    discovery.hear("tf", *to_ros_transforms({kStamp, "base_link"}, {{"made_up_" + std::to_string(i), {}}}));
+  }
+  discovery.hear("tf", *to_ros_transforms({kStamp, "base_link"}, {{"front", common::to_pose3({0.2, 0.0, 0.0})}}));
+  common::RecordingInfo info;
+  discovery.describe(info);
+  EXPECT_EQ(info.notes.size(), 1U) << "the one that came after all room was taken is not known";
 }
 
 TEST(SensorDiscovery, WhatCannotBeUsedLeavesAProblemUntilSomethingBetterComes) {

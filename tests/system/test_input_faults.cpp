@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a robot's inputs may do to `slamfuse serve`, in one drive: silence, doubled and swapped messages, a clock that
-// jumps an hour ahead and back. Each has its diagnosis within 2 s, and poses come again within 3 s.
+// What a robot's inputs may do to `slamfuse serve`: silence, doubled and swapped messages, a clock that jumps an hour
+// ahead and back, ten times and a tenth of the rate, a camera_info that is missing or changes. Each has its diagnosis
+// within 2 s, and poses come again within 3 s.
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -15,8 +19,10 @@
 
 #include "common/replay.hpp"
 #include "idl/reader.hpp"
+#include "idl/writer.hpp"
 #include "service/recording_publisher.hpp"
 #include "service/ros_conversion.hpp"
+#include "service/sensor_to_ros.hpp"
 #include "system/child_process.hpp"
 #include "system/network.hpp"
 
@@ -30,7 +36,8 @@ using testing::HasSubstr;
 
 constexpr common::Nanoseconds kHour = 3600 * common::kNanosecondsPerSecond;
 
-// The laser and the odometry of the demo recording in real time, as a fault lets them through.
+// The laser and the odometry of the demo recording in real time, and the pictures of its first camera for those who
+// want to publish them, as a fault lets them through.
 class Robot {
  public:
   // Publishes a message with this stamp.
@@ -38,9 +45,11 @@ class Robot {
   using Fault = std::function<void(const common::SensorMessage&, common::Nanoseconds, const Publish&)>;
 
   explicit Robot(const idl::Participant& participant)
-      : recording_(*common::replay(*common::open_recording(SLAMFUSE_DATA_DIR "/flat"), only_laser_and_odometry())),
+      : recording_(*common::replay(*common::open_recording(SLAMFUSE_DATA_DIR "/flat"), used_sensors())),
         publisher_(*service::RecordingPublisher::create(participant, without_cameras(recording_->info()))),
         start_(Clock::now()) {}
+
+  const common::CameraCalibration& camera() const { return recording_->info().calibration.cameras.at("cam0"); }
 
   bool wait_for_service() { return publisher_->wait_for_readers(20.0); }
 
@@ -58,14 +67,16 @@ class Robot {
         publisher_->introduce(stamp);
       }
       std::this_thread::sleep_until(start_ + std::chrono::nanoseconds(stamp - *first_));
-      fault(*message, stamp, [this](const auto& sent, common::Nanoseconds as) { publisher_->publish(sent, as); });
+      fault(*message, stamp, [this](const auto& sent, common::Nanoseconds as) {
+        if (!std::holds_alternative<common::Image>(sent)) publisher_->publish(sent, as);
+      });
     }
   }
 
  private:
-  static common::ReplayOptions only_laser_and_odometry() {
+  static common::ReplayOptions used_sensors() {
     common::ReplayOptions options;
-    options.only_sensors = {"laser0", "odom0"};
+    options.only_sensors = {"laser0", "odom0", "cam0"};
     return options;
   }
 
@@ -87,7 +98,29 @@ void no_fault(const common::SensorMessage& message, common::Nanoseconds stamp, c
   publish(message, stamp);
 }
 
-// What the service says of a topic, and its newest pose.
+// The first camera's pictures, with or without its calibration.
+class Camera {
+ public:
+  explicit Camera(const idl::Participant& participant)
+      : images_(idl::Writer<idl::Image>::create(participant, "cam0/image_raw", idl::QosProfile::kOutput).value()),
+        infos_(
+            idl::Writer<idl::CameraInfo>::create(participant, "cam0/camera_info", idl::QosProfile::kOutput).value()) {}
+
+  // Publishes a message if it is a picture, and beside it this calibration, if any.
+  void publish(const common::SensorMessage& message, const std::optional<common::CameraCalibration>& calibration) {
+    const auto* image = std::get_if<common::Image>(&message);
+    if (image == nullptr) return;
+    const service::RosHeader header{image->stamp, "cam0"};
+    if (calibration) infos_.write(service::to_ros_camera_info(header, *calibration));
+    images_.write(service::to_ros_image(header, *image));
+  }
+
+ private:
+  idl::Writer<idl::Image> images_;
+  idl::Writer<idl::CameraInfo> infos_;
+};
+
+// What the service says of its topics, and its newest pose.
 class Watcher {
  public:
   explicit Watcher(const idl::Participant& participant)
@@ -108,15 +141,28 @@ class Watcher {
             const auto now = Clock::now();
             const std::lock_guard lock(mutex_);
             newest_pose_ = service::from_ros_time((**message)->header.stamp);
+            const idl::Point& at = (**message)->pose.pose.position;
+            if (position_)
+              farthest_step_ = std::max(farthest_step_, std::hypot(at.x - position_->x, at.y - position_->y));
+            position_ = at;
             if (last_pose_) longest_gap_ = std::max(longest_gap_, now - *last_pose_);
             last_pose_ = now;
           }
         }) {}
 
-  // All that was said of the scans since the last call, one line each.
-  std::string said() {
+  // All that was said of a topic since the last forget(), one line each.
+  std::string said(const std::string& topic = "scan") {
     const std::lock_guard lock(mutex_);
-    return std::exchange(said_, {});
+    return said_[topic];
+  }
+  void forget() {
+    const std::lock_guard lock(mutex_);
+    said_.clear();
+  }
+  // The farthest way [m] from one pose to the next since the last call.
+  double farthest_step() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(farthest_step_, 0.0);
   }
   common::Nanoseconds newest_pose() {
     const std::lock_guard lock(mutex_);
@@ -134,12 +180,15 @@ class Watcher {
     const std::lock_guard lock(mutex_);
     for (std::uint32_t i = 0; i < message.status._length; ++i) {
       const idl::DiagnosticStatus& status = message.status._buffer[i];
-      if (idl::text_of(status.name).ends_with(" scan")) said_ += idl::text_of(status.message) + "\n";
+      const std::string name = idl::text_of(status.name);
+      said_[name.substr(name.rfind(' ') + 1)] += idl::text_of(status.message) + "\n";
     }
   }
 
   std::mutex mutex_;
-  std::string said_;
+  std::map<std::string, std::string> said_;  // by topic
+  std::optional<idl::Point> position_;
+  double farthest_step_ = 0.0;
   common::Nanoseconds newest_pose_ = 0;
   std::optional<Clock::time_point> last_pose_;
   Clock::duration longest_gap_ = Clock::duration::zero();
@@ -160,20 +209,24 @@ TEST(InputFaults, AreDiagnosedAndSurvived) {
   robot.drive(4s, no_fault);
   ASSERT_GT(watcher.newest_pose(), 0);
   EXPECT_THAT(watcher.said(), HasSubstr("ok"));
+  watcher.forget();
 
   // Silence of one second is still usual.
   robot.drive(3500ms, [](const auto& message, common::Nanoseconds stamp, const auto& publish) {
     if (!is_scan(message)) publish(message, stamp);
   });
   EXPECT_THAT(watcher.said(), HasSubstr("matched, but silent for"));
+  watcher.forget();
   robot.drive(2s, no_fault);
   EXPECT_THAT(watcher.said(), HasSubstr("ok"));
+  watcher.forget();
 
   robot.drive(2s, [](const auto& message, common::Nanoseconds stamp, const auto& publish) {
     publish(message, stamp);
     if (is_scan(message)) publish(message, stamp);
   });
   EXPECT_THAT(watcher.said(), HasSubstr("repeats"));
+  watcher.forget();
 
   std::optional<std::pair<common::SensorMessage, common::Nanoseconds>> held;
   robot.drive(2s, [&held](const auto& message, common::Nanoseconds stamp, const auto& publish) {
@@ -187,20 +240,170 @@ TEST(InputFaults, AreDiagnosedAndSurvived) {
     held.reset();
   });
   EXPECT_THAT(watcher.said(), HasSubstr("steps back"));
+  watcher.forget();
   robot.drive(1500ms, no_fault);
-  watcher.said();
+  watcher.forget();
 
   const common::Nanoseconds before = watcher.newest_pose();
   robot.drive(
       3s, [](const auto& message, common::Nanoseconds stamp, const auto& publish) { publish(message, stamp + kHour); });
   EXPECT_THAT(watcher.said(), HasSubstr("ahead of all others"));
+  watcher.forget();
   EXPECT_GT(watcher.newest_pose(), before + kHour) << "no pose in the new time";
 
   robot.drive(3s, no_fault);
   EXPECT_THAT(watcher.said(), HasSubstr("steps back"));
+  watcher.forget();
   robot.drive(1s, no_fault);
   EXPECT_LT(watcher.newest_pose(), before + kHour / 2) << "no pose in the old time again";
   EXPECT_GT(watcher.newest_pose(), before);
+
+  kill(service, SIGINT);
+  EXPECT_EQ(exit_status_of(service), 0);
+  fs::remove_all(folder);
+}
+
+// A usual rate is known after some seconds.
+TEST(InputFaults, AnotherRateIsDiagnosedAndSurvived) {
+  const Network network;
+  const auto participant = network.join();
+  const fs::path folder = fs::temp_directory_path() / ("slamfuse-rates-" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  const pid_t service = start({SLAMFUSE_PROGRAM, "serve", "-o", folder / "out", "--modules", "laser"});
+  Watcher watcher(participant);
+  Robot robot(participant);
+  ASSERT_TRUE(robot.wait_for_service());
+  std::this_thread::sleep_for(500ms);
+  robot.drive(8s, no_fault);
+  EXPECT_THAT(watcher.said(), HasSubstr("ok"));
+  watcher.longest_gap_ms();
+
+  // Ten times the scans: each once more in every tenth of the time to the next.
+  constexpr common::Nanoseconds kTenth = 16'000'000;
+  watcher.forget();
+  robot.drive(3s, [](const auto& message, common::Nanoseconds stamp, const auto& publish) {
+    for (int i = 0; i < (is_scan(message) ? 10 : 1); ++i) publish(message, stamp + i * kTenth);
+  });
+  EXPECT_THAT(watcher.said(), HasSubstr("usual are 6.0"));
+  std::printf("ten times the rate: longest time without a pose %.0f ms\n", watcher.longest_gap_ms());
+  robot.drive(2s, no_fault);
+  watcher.forget();
+  robot.drive(1500ms, no_fault);
+  EXPECT_THAT(watcher.said(), HasSubstr("ok"));
+
+  int scans = 0;
+  watcher.forget();
+  watcher.longest_gap_ms();
+  robot.drive(4s, [&scans](const auto& message, common::Nanoseconds stamp, const auto& publish) {
+    if (!is_scan(message) || scans++ % 10 == 0) publish(message, stamp);
+  });
+  EXPECT_THAT(watcher.said(), HasSubstr("usual are 6.0"));
+  const double gap = watcher.longest_gap_ms();
+  EXPECT_LT(gap, 3000.0);
+  std::printf("a tenth of the rate: longest time without a pose %.0f ms\n", gap);
+  robot.drive(2s, no_fault);
+  watcher.forget();
+  robot.drive(1500ms, no_fault);
+  EXPECT_THAT(watcher.said(), HasSubstr("ok"));
+
+  kill(service, SIGINT);
+  EXPECT_EQ(exit_status_of(service), 0);
+  fs::remove_all(folder);
+}
+
+TEST(InputFaults, ACameraWhoseCalibrationComesLateOrChangesIsDiagnosedAndUsed) {
+  const Network network;
+  const auto participant = network.join();
+  const fs::path folder = fs::temp_directory_path() / ("slamfuse-calibration-" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  const pid_t service = start({SLAMFUSE_PROGRAM, "serve", "-o", folder / "out"});
+  Watcher watcher(participant);
+  Robot robot(participant);
+  Camera camera(participant);
+  ASSERT_TRUE(robot.wait_for_service());
+  std::this_thread::sleep_for(500ms);
+  std::optional<common::CameraCalibration> told;
+  const auto with_camera = [&](const auto& message, common::Nanoseconds stamp, const auto& publish) {
+    publish(message, stamp);
+    camera.publish(message, told);
+  };
+  // Drives on in this way until the service says something of the pictures; gives the time it took.
+  const auto until_said = [&](const std::string& words) {
+    watcher.forget();
+    const auto start = Clock::now();
+    while (Clock::now() - start < 5s) {
+      robot.drive(100ms, with_camera);
+      if (watcher.said("cam0/image_raw").find(words) != std::string::npos) break;
+    }
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+
+  robot.drive(2s, with_camera);
+  EXPECT_THAT(watcher.said("cam0/image_raw"), HasSubstr("cannot be used: no camera_info was heard of it"));
+  robot.drive(4s, with_camera);
+  ASSERT_GT(watcher.newest_pose(), 0) << "the laser half needs no camera";
+
+  // The calibration comes: a new session with the camera, in the map made so far.
+  const common::CameraCalibration right = robot.camera();
+  watcher.longest_gap_ms();
+  watcher.farthest_step();
+  told = right;
+  EXPECT_LT(until_said("ok"), 3.0);
+  robot.drive(3s, with_camera);
+  EXPECT_THAT(watcher.said("cam0/image_raw"), testing::Not(HasSubstr("cannot be used")));
+  double gap = watcher.longest_gap_ms();
+  EXPECT_LT(gap, 3000.0);
+  EXPECT_LT(watcher.farthest_step(), 0.5 + 1e-3 * gap) << "the map is not the one made so far";
+  std::printf("the calibration comes: longest time without a pose %.0f ms\n", gap);
+
+  // For a moment another one: pictures are not used, nothing else happens.
+  common::CameraCalibration wrong = right;
+  wrong.fx *= 1.2;
+  told = wrong;
+  robot.drive(600ms, with_camera);
+  told = right;
+  EXPECT_LT(until_said("tells another calibration"), 2.0);
+  robot.drive(2s, with_camera);
+  EXPECT_LT(watcher.longest_gap_ms(), 500.0);
+  EXPECT_LT(until_said("ok"), 2.0);
+
+  // It stays: a new session with it.
+  told = wrong;
+  EXPECT_LT(until_said("tells another calibration"), 2.0);
+  EXPECT_LT(until_said("ok"), 3.0);
+  robot.drive(3s, with_camera);
+  gap = watcher.longest_gap_ms();
+  EXPECT_LT(gap, 3000.0);
+  EXPECT_LT(watcher.farthest_step(), 0.5 + 1e-3 * gap);
+  std::printf("the calibration changes: longest time without a pose %.0f ms\n", gap);
+
+  kill(service, SIGINT);
+  EXPECT_EQ(exit_status_of(service), 0);
+  fs::remove_all(folder);
+}
+
+TEST(InputFaults, WhoAsksForTheCamerasWaitsForTheirCalibration) {
+  const Network network;
+  const auto participant = network.join();
+  const fs::path folder = fs::temp_directory_path() / ("slamfuse-uncalibrated-" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  const pid_t service = start({SLAMFUSE_PROGRAM, "serve", "-o", folder / "out", "--modules", "laser,visual"});
+  Watcher watcher(participant);
+  Robot robot(participant);
+  Camera camera(participant);
+  ASSERT_TRUE(robot.wait_for_service());
+  std::this_thread::sleep_for(500ms);
+  std::optional<common::CameraCalibration> told;
+  const auto with_camera = [&](const auto& message, common::Nanoseconds stamp, const auto& publish) {
+    publish(message, stamp);
+    camera.publish(message, told);
+  };
+  robot.drive(3s, with_camera);
+  EXPECT_THAT(watcher.said("cam0/image_raw"), HasSubstr("cannot be used: no camera_info was heard of it"));
+  EXPECT_EQ(watcher.newest_pose(), 0) << "it began with half of what it was asked for";
+  told = robot.camera();
+  robot.drive(3s, with_camera);
+  EXPECT_GT(watcher.newest_pose(), 0);
 
   kill(service, SIGINT);
   EXPECT_EQ(exit_status_of(service), 0);
