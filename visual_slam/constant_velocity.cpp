@@ -47,6 +47,14 @@ double ConstantVelocity::lever_scale(const State& state, BlockId parameters) con
   return std::exp(state.mean(parameters)[kLeverScale]);
 }
 
+std::optional<MotionNumber> ConstantVelocity::metric_speed(const State& state, BlockId parameters) const {
+  const double metres = std::exp(-state.mean(parameters)[kLeverScale]);
+  MotionNumber speed{state.mean(parameters)[kSpeed] * metres, Eigen::RowVectorXd::Zero(kSize)};
+  speed.wrt_parameters[kSpeed] = metres;
+  speed.wrt_parameters[kLeverScale] = -speed.value;
+  return speed;
+}
+
 std::optional<BodyTwist> ConstantVelocity::twist(const State& state, BlockId parameters) const {
   return BodyTwist({state.mean(parameters)[kSpeed], 0.0, 0.0}, {0.0, 0.0, state.mean(parameters)[kTurnRate]});
 }

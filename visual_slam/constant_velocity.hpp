@@ -24,6 +24,8 @@ class ConstantVelocity : public MotionModel {
   double lever_scale(const State& state, BlockId parameters) const override;
   std::optional<int> lever_scale_index() const override { return kLeverScale; }
   std::optional<BodyTwist> twist(const State& state, BlockId parameters) const override;
+  /// v exp(-l).
+  std::optional<MotionNumber> metric_speed(const State& state, BlockId parameters) const override;
 
  private:
   static constexpr int kSpeed = 1;

@@ -15,6 +15,7 @@
 namespace slamfuse::visual_slam {
 namespace {
 
+constexpr double kBelievedSpeed = 9.0;   // squared standard deviations
 constexpr double kPlausible = 7.8;       // squared standard deviations of three numbers that 95 % stay below
 constexpr double kInflationStep = 1.25;  // factors of the covariance that are tried
 constexpr double kMostInflation = 1e6;
@@ -357,6 +358,21 @@ void Ekf::correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& cov
   state_.subtract_outer_product(llt.matrixL().solve(gain_side.transpose()).transpose());
   state_.correct(step);
   past_poses_.robot_moved();
+}
+
+bool Ekf::correct_speed(double measured, double sigma) {
+  const std::optional<MotionNumber> speed = motion_->metric_speed(state_, motion_parameters_);
+  if (!speed) return false;
+  const int offset = state_.offset(motion_parameters_);
+  const Eigen::Index size = speed->wrt_parameters.size();
+  const Eigen::VectorXd gain_side = state_.covariance().middleCols(offset, size) * speed->wrt_parameters.transpose();
+  const double variance = speed->wrt_parameters.dot(gain_side.segment(offset, size)) + sigma * sigma;
+  const double residual = measured - speed->value;
+  if (residual * residual > kBelievedSpeed * variance) return false;
+  state_.subtract_outer_product(gain_side / std::sqrt(variance));
+  state_.correct(gain_side * (residual / variance));
+  past_poses_.robot_moved();
+  return true;
 }
 
 std::vector<LandmarkId> Ekf::set_pose(const common::Pose2& new_pose, const Eigen::Matrix3d& covariance) {

@@ -127,6 +127,9 @@ class Ekf {
   /// than it should have been, all covariances are first enlarged by the factor that makes it plausible; without that
   /// the correction would stop half-way.
   void correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& covariance);
+  /// Corrects everything by a measured speed forward [m/s] of the step predicted last, for motion models that have one.
+  /// Returns whether it was believed: not when it is more than three standard deviations off.
+  bool correct_speed(double measured, double sigma);
   /// Replaces the robot's pose in the plane; it knows nothing of the landmarks any more, and landmarks without depth
   /// go.
   std::vector<LandmarkId> set_pose(const common::Pose2& pose, const Eigen::Matrix3d& covariance);

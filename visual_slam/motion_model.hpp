@@ -46,6 +46,12 @@ struct Slip {
   Eigen::Matrix<double, Eigen::Dynamic, 2> parameters;  ///< to the numbers of the motion model
 };
 
+/// A number measured of the robot's motion, as a function of the motion model's numbers.
+struct MotionNumber {
+  double value = 0.0;
+  Eigen::RowVectorXd wrt_parameters;
+};
+
 /// How the robot moves between images, and with it whether poses are planar or free: past poses are copies of the
 /// robot's block. The filter keeps the model's own numbers in the second block of its state.
 class MotionModel {
@@ -75,6 +81,9 @@ class MotionModel {
   virtual std::optional<int> lever_scale_index() const = 0;
   /// How base_link moves (units of the map a second, rad/s); empty when the numbers do not say.
   virtual std::optional<BodyTwist> twist(const State& state, BlockId parameters) const = 0;
+  /// The mean speed forward [m/s] of the step that was predicted last; empty when the model does not say or knows it
+  /// better.
+  virtual std::optional<MotionNumber> metric_speed(const State&, BlockId) const { return std::nullopt; }
 };
 
 /// Standard deviation [m], [rad] of the first pose. The map frame is the first pose, so it is known.

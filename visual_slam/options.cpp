@@ -35,6 +35,17 @@ void TurnSearchOptions::describe(OptionVisitor& visit) {
   visit.real("max_turn", max_turn, {0.0, 90.0}, "deg", "Largest turn that is looked for.");
 }
 
+void FloorSpeedOptions::describe(OptionVisitor& visit) {
+  visit.flag("enabled", enabled, "Whether motion.model constant_velocity reads its speed from the floor, in metres.");
+  visit.real("max_speed", max_speed, {0.05, 10.0}, "m/s", "Largest speed that is looked for; backward a fifth of it.");
+  visit.real("max_acceleration", max_acceleration, {0.05, 20.0}, "m/s^2",
+             "How fast the robot changes its speed; what seems to change faster is no floor.");
+  visit.real("way_sigma", way_sigma, {0.0005, 0.1}, "m", "Standard deviation of the way between two pictures.");
+  visit.integer("least_patches", least_patches, {1, 1000}, "", "Patches of floor that must tell a way.");
+  visit.real("max_rival", max_rival, {0.0, 1.0}, "",
+             "Votes another way may have, as a part of those for the way believed in.");
+}
+
 void MotionOptions::describe(OptionVisitor& visit) {
   visit.choice(
       "model", model,
@@ -237,6 +248,7 @@ void VisualSlamOptions::describe(OptionVisitor& visit) {
   visit.nested("image_clock", image_clock, "Whether the cameras' stamps fit the wheel odometry's.");
   visit.nested("front_end", front_end, "How features are found and followed.");
   visit.nested("selection", selection, "Which features are worth having.");
+  visit.nested("floor_speed", floor_speed, "The speed without wheel odometry, from the floor's texture.");
   visit.nested("turn_search", turn_search, "Where features are looked for after a turn without wheel odometry.");
   visit.nested("recognition", recognition, "How lost landmarks are found again.");
   visit.nested("relocalisation", relocalisation, "How the pose is found in the whole map.");

@@ -42,6 +42,18 @@ struct TurnSearchOptions {
   void describe(common::OptionVisitor& visit);
 };
 
+/// How the floor is read for the speed, without wheel odometry.
+struct FloorSpeedOptions {
+  bool enabled = true;
+  double max_speed = 1.25;        ///< [m/s]
+  double max_acceleration = 1.0;  ///< [m/s^2]
+  double way_sigma = 0.004;       ///< [m]
+  int least_patches = 8;
+  double max_rival = 0.35;
+
+  void describe(common::OptionVisitor& visit);
+};
+
 /// How far the wheel odometry is trusted. Standard deviations grow with the square root of the distance and of the
 /// turn, as in seed 001 section 4.1 ((0.03 m)^2 / 1 m and (3 deg)^2 / 360 deg).
 struct MotionOptions {
@@ -223,6 +235,7 @@ struct VisualSlamOptions {
   FrontEndOptions front_end;
   SelectionOptions selection;
   TurnSearchOptions turn_search;
+  FloorSpeedOptions floor_speed;
   RecognitionOptions recognition;
   RelocalisationOptions relocalisation;
   LoopOptions loop;

@@ -17,6 +17,7 @@
 #include "visual_slam/estimate_judge.hpp"
 #include "visual_slam/feature_selection.hpp"
 #include "visual_slam/feature_supply.hpp"
+#include "visual_slam/floor_speed.hpp"
 #include "visual_slam/image_sampler.hpp"
 #include "visual_slam/landmark_book.hpp"
 #include "visual_slam/map_search.hpp"
@@ -50,6 +51,7 @@ class VisualSlam::Implementation {
         cameras_(tracks_of(cameras)),
         clocks_(options.image_clock, options.turn_search, cameras_),
         features_(options, std::move(selection), cameras.size()),
+        floor_speed_(options.floor_speed, cameras.size()),
         book_(options),
         search_(options, seed),
         judge_(options),
@@ -214,6 +216,7 @@ class VisualSlam::Implementation {
     if (std::optional<std::string> reason = refuse(image)) return {.estimate = {}, .rejected = std::move(reason)};
     CameraTracks& seeing = cameras_[*camera_index(image.sensor)];
     const cv::Mat picture = picture_of(image);
+    const double seconds = newest_ ? common::to_seconds(image.stamp - *newest_) : 0.0;
     reckoning_.predict(filter_, newest_, image.stamp);
     newest_ = seeing.newest = image.stamp;
     std::vector<common::Event> events;
@@ -225,7 +228,11 @@ class VisualSlam::Implementation {
     const bool exposed = is_exposed(picture);
     std::vector<Track> seen = exposed ? follow(seeing, picture, evidence) : std::vector<Track>{};
     UpdateReport report;
-    if (!reckoning_.by_wheels()) report = update(seeing, seen, report);
+    if (!reckoning_.by_wheels()) {
+      report = update(seeing, seen, report);
+      floor_speed_.turned(seconds * filter_.twist()->angular.z());
+      if (exposed) read_floor(seeing, picture);
+    }
     const std::size_t followed = seen.size();
     if (exposed && !search_.pose_is_doubted()) recognise(seeing, picture, seen);
     report = update(seeing, seen, report);
@@ -247,6 +254,15 @@ class VisualSlam::Implementation {
     remember(seeing, image, seen, report, followed, known);
     if (!localising_) limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
+  }
+
+  /// Corrects the speed, and with it the scale, by the floor.
+  void read_floor(const CameraTracks& seeing, const cv::Mat& picture) {
+    const auto reading = floor_speed_.read(index_of(seeing), seeing.camera, picture, *newest_);
+    if (!reading) return;
+    if (filter_.correct_speed(reading->speed, options_.floor_speed.way_sigma / reading->seconds)) {
+      reckoning_.corrected(filter_);
+    }
   }
 
   /// The features of the camera's previous picture that are found again in this one.
@@ -518,6 +534,7 @@ class VisualSlam::Implementation {
   std::vector<CameraTracks> cameras_;  // fixed once built: filter and clocks keep pointers to the cameras
   CameraClocks clocks_;
   FeatureSupply features_;
+  FloorSpeed floor_speed_;
   LandmarkBook book_;
   MapSearch search_;
   bool localising_ = false;  // in a saved map, which stays as it is

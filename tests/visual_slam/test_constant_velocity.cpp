@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "visual_slam/constant_velocity.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "common/trajectory_evaluation.hpp"
@@ -37,6 +39,43 @@ TEST(ConstantVelocity, ThePoseMovesOnWithTheSpeedAndTheTurnRate) {
   EXPECT_GT(state.covariance(numbers, numbers)(1, 1), 0.0);
   EXPECT_GT(state.covariance(robot, numbers)(0, 1), 0.0) << "who drives faster gets further";
   EXPECT_GT(state.covariance(robot, numbers)(2, 2), 0.0);
+}
+
+TEST(ConstantVelocity, ItsSpeedInMetresKnowsWhatItHangsOn) {
+  State state;
+  const ConstantVelocity model({});
+  model.append_robot(state);
+  const BlockId numbers = model.append_parameters(state);
+  state.mean(numbers) << 0.0, 0.5, 0.3, 0.2;
+  const auto speed = model.metric_speed(state, numbers);
+  ASSERT_TRUE(speed);
+  EXPECT_NEAR(speed->value, 0.5 * std::exp(-0.2), 1e-12);
+  for (int i = 0; i < 4; ++i) {
+    constexpr double kStep = 1e-6;
+    const double before = state.mean(numbers)[i];
+    state.mean(numbers)[i] = before + kStep;
+    EXPECT_NEAR(speed->wrt_parameters[i], (model.metric_speed(state, numbers)->value - speed->value) / kStep, 1e-5)
+        << i;
+    state.mean(numbers)[i] = before;
+  }
+}
+
+TEST(ConstantVelocity, AMeasuredSpeedIsTakenWhenItIsPlausible) {
+  Ekf filter({}, constant_velocity());
+  filter.predict({kSeconds, {}});
+  EXPECT_TRUE(filter.correct_speed(0.4, 0.01));
+  EXPECT_NEAR(filter.twist()->linear.x() / filter.lever_scale(), 0.4, 0.01);
+  filter.predict({kSeconds, {}});
+  EXPECT_NEAR(filter.pose().x / filter.lever_scale(), 2 * 0.4 * kSeconds, 0.02) << "the pose knows of the speed";
+  EXPECT_FALSE(filter.correct_speed(1.4, 0.01)) << "nobody gets as fast at once";
+  EXPECT_NEAR(filter.twist()->linear.x() / filter.lever_scale(), 0.4, 0.02);
+}
+
+TEST(ConstantVelocity, WheelsNeedNobodyToTellTheSpeed) {
+  Ekf filter({}, MotionOptions());
+  filter.predict({kSeconds, {0.1, 0.0, 0.0}});
+  EXPECT_FALSE(filter.correct_speed(0.2, 0.01));
+  EXPECT_NEAR(filter.pose().x, 0.1, 1e-9);
 }
 
 TEST(ConstantVelocity, NoTimeChangesNothing) {
