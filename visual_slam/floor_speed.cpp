@@ -166,11 +166,11 @@ std::optional<FloorSpeed::Reading> FloorSpeed::read(std::size_t index, const Cam
   if (!options_.enabled || camera.t_base_camera.z() <= 0.0) return std::nullopt;
   Reference& reference = references_[index];
   const double seconds = common::to_seconds(stamp - reference.stamp);
-  if (!reference.picture.empty() && seconds < kShortest) return std::nullopt;
+  if (!reference.picture.empty() && seconds >= 0.0 && seconds < kShortest) return std::nullopt;
   Reference now{{}, stamp, 0.0};
   cv::GaussianBlur(picture, now.picture, {0, 0}, kBlur);
   const Reference before = std::exchange(reference, now);
-  if (before.picture.empty() || seconds > kLongest) return std::nullopt;
+  if (before.picture.empty() || seconds < 0.0 || seconds > kLongest) return std::nullopt;
   const auto driven = way(camera, now.picture, before, seconds);
   if (!driven) return std::nullopt;
   const double speed = *driven / seconds;
@@ -182,7 +182,7 @@ std::optional<FloorSpeed::Reading> FloorSpeed::read(std::size_t index, const Cam
 bool FloorSpeed::follows(double speed, double seconds, common::Nanoseconds stamp) const {
   if (!told_) return true;
   const double since = common::to_seconds(stamp - told_->stamp);
-  if (since > kForgetful) return true;
+  if (since < 0.0 || since > kForgetful) return true;
   const double noise = 3.0 * std::numbers::sqrt2 * options_.way_sigma / seconds;
   return std::abs(speed - told_->speed) < noise + options_.max_acceleration * std::min(since, kPatience);
 }

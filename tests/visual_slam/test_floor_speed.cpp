@@ -42,8 +42,7 @@ class Scene {
     cv::Mat image(camera.calibration.height, camera.calibration.width, CV_8UC1);
     for (int row = 0; row < image.rows; ++row) {
       for (int column = 0; column < image.cols; ++column) {
-        const Eigen::Vector3d ray = camera.R_base_camera *
-                                    camera.calibration.undistort({column, row}).homogeneous();
+        const Eigen::Vector3d ray = camera.R_base_camera * camera.calibration.undistort({column, row}).homogeneous();
         image.at<unsigned char>(row, column) = cv::saturate_cast<unsigned char>(colour(camera, robot, ray));
       }
     }
@@ -91,8 +90,7 @@ TEST(FloorSpeed, TheTurnMayComeInParts) {
   speed.read(0, camera, scene.picture(camera, {}), kStart);
   speed.turned(0.06);
   speed.turned(0.04);
-  const auto reading =
-      speed.read(0, camera, scene.picture(camera, common::exp_se2({0.1, 0.0, 0.1})), kStart + kFrame);
+  const auto reading = speed.read(0, camera, scene.picture(camera, common::exp_se2({0.1, 0.0, 0.1})), kStart + kFrame);
   ASSERT_TRUE(reading);
   EXPECT_NEAR(reading->speed * kSeconds, 0.1, 0.003);
 }
@@ -146,6 +144,27 @@ TEST(FloorSpeed, PicturesTooNearOrTooFarApartAreNotCompared) {
   ASSERT_TRUE(reading) << "the first picture is still the one to compare with";
   EXPECT_NEAR(reading->speed * kSeconds, 0.05, 0.003);
   EXPECT_FALSE(speed.read(0, camera, first, kStart + 10 * kFrame)) << "after a gap";
+  EXPECT_FALSE(speed.read(0, camera, first, kStart)) << "of another time";
+  EXPECT_TRUE(speed.read(0, camera, second, kStart + kFrame)) << "which goes on";
+}
+
+// What is told need not be the floor's: a bed lower than the camera tells more than the truth, and for a while.
+TEST(FloorSpeed, ASpeedTheRobotCannotHaveGotToIsNotTold) {
+  const Camera camera = testing::make_camera("cam0", 0.0);
+  const Scene scene;
+  FloorSpeed speed({}, 1);
+  common::Nanoseconds stamp = kStart;
+  double x = 0.0;
+  const auto drive = [&](double way) {
+    x += way;
+    stamp += kFrame;
+    return speed.read(0, camera, scene.picture(camera, {x, 0.0, 0.0}), stamp);
+  };
+  drive(0.0);
+  EXPECT_TRUE(drive(0.06));
+  EXPECT_TRUE(drive(0.09)) << "by 0.15 m/s in a fifth of a second";
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(drive(0.22)) << "by 0.65 m/s";
+  EXPECT_TRUE(drive(0.09));
 }
 
 TEST(FloorSpeed, ReadsNothingWhenSwitchedOffOrWithTheCameraOnTheFloor) {
