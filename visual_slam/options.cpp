@@ -36,7 +36,8 @@ void TurnSearchOptions::describe(OptionVisitor& visit) {
 }
 
 void FloorSpeedOptions::describe(OptionVisitor& visit) {
-  visit.flag("enabled", enabled, "Whether motion.model constant_velocity reads its speed from the floor, in metres.");
+  visit.flag("enabled", enabled,
+             "Whether motion.model constant_velocity with one camera reads its speed from the floor, in metres.");
   visit.real("max_speed", max_speed, {0.05, 10.0}, "m/s", "Largest speed that is looked for; backward a fifth of it.");
   visit.real("max_acceleration", max_acceleration, {0.05, 20.0}, "m/s^2",
              "How fast the robot changes its speed; what seems to change faster is no floor.");

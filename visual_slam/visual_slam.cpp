@@ -51,7 +51,7 @@ class VisualSlam::Implementation {
         cameras_(tracks_of(cameras)),
         clocks_(options.image_clock, options.turn_search, cameras_),
         features_(options, std::move(selection), cameras.size()),
-        floor_speed_(options.floor_speed, cameras.size()),
+        floor_speed_(options_.floor_speed, cameras.size()),
         book_(options),
         search_(options, seed),
         judge_(options),
@@ -114,6 +114,9 @@ class VisualSlam::Implementation {
  private:
   static VisualSlamOptions for_cameras(VisualSlamOptions options, std::size_t cameras) {
     options.motion = visual_slam::for_cameras(options.motion, cameras);
+    // From one picture of a camera to its next the filter then makes several steps, and the speed is that of the last.
+    const bool one_speed = cameras == 1 && options.motion.model == MotionModelKind::kConstantVelocity;
+    options.floor_speed.enabled = options.floor_speed.enabled && one_speed;
     return options;
   }
 
