@@ -9,7 +9,7 @@ constexpr std::chrono::seconds kPatience{1};
 
 }  // namespace
 
-bool CalibrationGuard::keeps(const std::string& camera, const common::RosCameraInfo& known,
+bool CalibrationGuard::judge(const std::string& camera, const common::RosCameraInfo& known,
                              const common::RosCameraInfo& told, Arrival arrival) {
   const bool same = told.width == known.width && told.height == known.height &&
                     told.distortion_model == known.distortion_model && told.d == known.d && told.k == known.k;

@@ -19,7 +19,7 @@ class CalibrationGuard {
 
   /// Judges what a camera tells against what is `known`: whether it is the same calibration (size, distortion, K and
   /// D), to the last digit as drivers repeat it. Where frames and stamps differ is no matter.
-  bool keeps(const std::string& camera, const common::RosCameraInfo& known, const common::RosCameraInfo& told,
+  bool judge(const std::string& camera, const common::RosCameraInfo& known, const common::RosCameraInfo& told,
              Arrival arrival);
   /// Whether the last camera_info of this camera told another calibration.
   bool doubts(const std::string& camera) const { return changes_.contains(camera); }

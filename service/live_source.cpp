@@ -54,9 +54,7 @@ class LiveSource::Impl {
   Result<void> listen() { return inbox_.listen(); }
 
   Result<void> prepare(const std::function<void(const std::string&)>& tell) {
-    auto settled = Clock::now() + kReport;
     auto report = Clock::now() + kReport;
-    std::size_t known = 0;
     while (!stop_) {
       if (auto arrival = inbox_.take(kNap)) {
         learn(*arrival);
@@ -64,11 +62,9 @@ class LiveSource::Impl {
         trim_backlog();
       }
       const auto now = Clock::now();
-      const std::size_t usable = discovery_.usable_sensors().size();
-      if (usable != known) settled = now + std::chrono::duration_cast<Clock::duration>(settle());
-      known = usable;
+      const bool complete = has_settled(now) || all_named();
       const std::string missing = missing_sensors();
-      if (missing.empty() && (all_named() || now >= settled)) {
+      if (missing.empty() && complete) {
         decide();
         return {};
       }
@@ -150,7 +146,14 @@ class LiveSource::Impl {
   }
 
   bool all_named() const { return !options_.inbox.topics.empty(); }
-  std::chrono::duration<double> settle() const { return std::chrono::duration<double>(options_.settle); }
+
+  /// Whether for a while no further sensor has become usable.
+  bool has_settled(Clock::time_point now) {
+    const std::size_t usable = discovery_.usable_sensors().size();
+    if (usable != usable_) last_appearance_ = now;
+    usable_ = usable;
+    return now - last_appearance_ >= std::chrono::duration<double>(options_.settle);
+  }
 
   /// In words; empty when it can start.
   std::string missing_sensors() const {
@@ -183,7 +186,6 @@ class LiveSource::Impl {
     info.path = info_.path;
     info.format = info_.format;
     calibrations_.reset();
-    latecomers_ = 0;
     discovery_.describe(info);
     for (const auto& [camera, readout] : options_.readout) {
       const auto found = info.calibration.cameras.find(camera);
@@ -214,7 +216,9 @@ class LiveSource::Impl {
     if (const auto* info = std::get_if<idl::Message<idl::CameraInfo>>(&arrival.payload)) {
       return check_camera(arrival, sensor, **info);
     }
-    if (calibrations_.doubts(sensor)) return doubt_picture(arrival, sensor);
+    if (calibrations_.doubts(sensor)) {
+      return doubt(arrival, sensor, "its camera_info tells another calibration than before");
+    }
     meet_late(arrival, sensor);
     auto message = decoder_.decode(arrival.payload, sensor);
     if (!message) return reject(arrival, sensor, message.error().message);
@@ -240,13 +244,12 @@ class LiveSource::Impl {
   /// their own, once nothing new has appeared for a while.
   void meet_latecomer(const LiveArrival& arrival, const std::string& sensor) {
     if (sensor.empty() || !discovery_.usable(sensor)) learn(arrival);
+    if (!has_settled(arrival.at)) return;
     std::vector<std::string> latecomers;
     for (const std::string& usable : discovery_.usable_sensors()) {
       if (!info_.sensors.contains(usable)) latecomers.push_back(usable);
     }
-    if (latecomers.size() > latecomers_) met_latecomer_ = arrival.at;
-    latecomers_ = latecomers.size();
-    if (latecomers.empty() || arrival.at - met_latecomer_ < settle()) return;
+    if (latecomers.empty()) return;
     restart_ = fmt::format("{} can take part now", fmt::join(latecomers, ", "));
   }
 
@@ -265,14 +268,11 @@ class LiveSource::Impl {
     if (const auto usable = common::camera_calibration_of(*info, {}); !usable) {
       return reject(arrival, sensor, usable.error().message);
     }
-    if (calibrations_.keeps(sensor, discovery_.camera_info(sensor), *info, arrival.at)) return std::nullopt;
+    if (calibrations_.judge(sensor, discovery_.camera_info(sensor), *info, arrival.at)) return std::nullopt;
     return doubt(arrival, sensor, "it tells another calibration than before");
   }
 
-  common::RecordingItem doubt_picture(const LiveArrival& arrival, const std::string& sensor) {
-    return doubt(arrival, sensor, "its camera_info tells another calibration than before");
-  }
-
+  /// Rejects a message of a camera whose calibration is in doubt; takes the other one when the camera insists on it.
   common::RecordingItem doubt(const LiveArrival& arrival, const std::string& sensor, const std::string& reason) {
     if (auto insisted = calibrations_.insisted_on(sensor, arrival.at)) {
       discovery_.replace(sensor, *std::move(insisted));
@@ -302,9 +302,9 @@ class LiveSource::Impl {
   LiveDecoder decoder_{info_};
   StampGuard stamps_;
   CalibrationGuard calibrations_;
-  std::size_t latecomers_ = 0;       // sensors that could take part and do not
-  Clock::time_point met_latecomer_;  // the newest of them
   OdometryGuard odometry_;
+  std::size_t usable_ = 0;             // sensors
+  Clock::time_point last_appearance_;  // of one of them
   common::Nanoseconds last_stamp_ = 0;
   std::optional<std::string> restart_;
 };

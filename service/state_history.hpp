@@ -10,7 +10,7 @@
 
 namespace slamfuse::service {
 
-/// A time in which a source of poses was in one state.
+/// A time [ns] in which a source of poses was in one state.
 struct StateStretch {
   common::Nanoseconds from = 0;
   common::Nanoseconds to = 0;

@@ -2,7 +2,6 @@
 #include "visual_slam/floor_speed.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -27,12 +26,11 @@ constexpr double kForgetful = 3.0;
 constexpr double kBlur = 0.8;  // [px] sigma, against noise between the pixels
 constexpr int kRadius = 6;     // of a patch [px]
 constexpr int kSide = 2 * kRadius + 1;
-constexpr std::size_t kPixels = std::size_t{kSide} * kSide;
 constexpr int kColumnStep = 18;  // between patches [px]
 constexpr int kRowStep = 14;
-constexpr double kLeastFall = 0.12;     // of a ray for each metre along the optical axis: farther floor tells little
-constexpr float kLeastTexture = 60.0F;  // length of a patch without its mean
-constexpr float kLeastTextureBefore = 30.0F;
+constexpr double kLeastFall = 0.12;  // of a ray for each metre along the optical axis: farther floor tells little
+constexpr double kLeastTexture = 60.0;
+constexpr double kLeastTextureBefore = 30.0;
 
 constexpr double kStep = 0.004;  // between ways that are tried [m]
 constexpr int kMostSteps = 120;
@@ -44,48 +42,18 @@ constexpr float kMostWeight = 0.3F;
 constexpr double kVoteSigma = 0.006;  // of a vote [m]
 constexpr double kRivalFrom = 0.02;   // farther away [m] it is another way
 
-/// Without its mean and of length 1.
-using Patch = std::array<float, kPixels>;
-
-/// The patch around a point of the picture; false outside and where there is next to no texture.
-bool cut(const cv::Mat& picture, const Eigen::Vector2d& centre, float least_texture, Patch& patch) {
+/// Cuts the patch around a point of the picture and gives its texture: the length of it without its mean, 0 outside.
+double cut(const cv::Mat& picture, const Eigen::Vector2d& centre, cv::Mat& patch) {
   const double border = kRadius + 1;
   const bool inside = centre.x() >= border && centre.y() >= border && centre.x() < picture.cols - border - 1 &&
                       centre.y() < picture.rows - border - 1;
-  if (!inside) return false;
-  const int column = static_cast<int>(centre.x());
-  const int row = static_cast<int>(centre.y());
-  const auto right = static_cast<float>(centre.x() - column);
-  const auto down = static_cast<float>(centre.y() - row);
-  const std::array<float, 4> weights{(1.0F - right) * (1.0F - down), right * (1.0F - down), (1.0F - right) * down,
-                                     right * down};
-  float sum = 0.0F;
-  std::size_t k = 0;
-  for (int r = row - kRadius; r <= row + kRadius; ++r) {
-    const unsigned char* upper = picture.ptr<unsigned char>(r) + column - kRadius;
-    const unsigned char* lower = picture.ptr<unsigned char>(r + 1) + column - kRadius;
-    for (int c = 0; c < kSide; ++c, ++k) {
-      patch[k] = weights[0] * static_cast<float>(upper[c]) + weights[1] * static_cast<float>(upper[c + 1]) +
-                 weights[2] * static_cast<float>(lower[c]) + weights[3] * static_cast<float>(lower[c + 1]);
-      sum += patch[k];
-    }
-  }
-  const float mean = sum / static_cast<float>(kPixels);
-  float squares = 0.0F;
-  for (float& value : patch) {
-    value -= mean;
-    squares += value * value;
-  }
-  const float length = std::sqrt(squares);
-  if (length < least_texture) return false;
-  for (float& value : patch) value /= length;
-  return true;
-}
-
-float correlation(const Patch& a, const Patch& b) {
-  float sum = 0.0F;
-  for (std::size_t k = 0; k < kPixels; ++k) sum += a[k] * b[k];
-  return sum;
+  if (!inside) return 0.0;
+  cv::getRectSubPix(picture, {kSide, kSide}, {static_cast<float>(centre.x()), static_cast<float>(centre.y())}, patch,
+                    CV_32F);
+  cv::Scalar mean;
+  cv::Scalar deviation;
+  cv::meanStdDev(patch, mean, deviation);
+  return deviation[0] * kSide;
 }
 
 /// The ways that are tried, and where base_link was if it has driven them.
@@ -127,18 +95,22 @@ std::optional<Vote> vote(const Camera& camera, const cv::Mat& now, const cv::Mat
                          const Ways& ways) {
   const Eigen::Vector3d ray = camera.R_base_camera * camera.calibration.undistort(pixel).homogeneous();
   if (ray.z() > -kLeastFall) return std::nullopt;
-  Patch patch;
-  if (!cut(now, pixel, kLeastTexture, patch)) return std::nullopt;
+  cv::Mat patch;
+  const double texture = cut(now, pixel, patch);
+  if (texture < kLeastTexture) return std::nullopt;
+  patch = (patch - cv::mean(patch)[0]) / texture;
   const Eigen::Vector3d& centre = camera.t_base_camera;
   const Eigen::Vector3d on_floor = centre - ray * (centre.z() / ray.z());
   std::vector<float> found(ways.size(), -1.0F);
-  Patch other;
+  cv::Mat other;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     const Eigen::Vector2d place = ways.T_before_now[i] * Eigen::Vector2d(on_floor.head<2>());
     const Eigen::Vector3d seen =
         camera.R_base_camera.transpose() * (Eigen::Vector3d(place.x(), place.y(), 0.0) - centre);
     const std::optional<Eigen::Vector2d> there = camera.calibration.project(seen);
-    if (there && cut(before, *there, kLeastTextureBefore, other)) found[i] = correlation(patch, other);
+    const double texture_there = there ? cut(before, *there, other) : 0.0;
+    // The patch has no mean, so that of the other does not count.
+    if (texture_there >= kLeastTextureBefore) found[i] = static_cast<float>(patch.dot(other) / texture_there);
   }
   const auto best = static_cast<std::size_t>(std::max_element(found.begin(), found.end()) - found.begin());
   if (best < 1 || best + 1 >= ways.size() || found[best] < kLeastCorrelation) return std::nullopt;

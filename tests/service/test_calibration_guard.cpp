@@ -25,7 +25,7 @@ TEST(CalibrationGuard, TheSameCalibrationWithAnotherStampIsTheSame) {
   auto later = calibration(500.0);
   later.header.stamp = 7;
   later.header.frame = "another_name";
-  EXPECT_TRUE(guard.keeps("cam0", calibration(500.0), later, kStart));
+  EXPECT_TRUE(guard.judge("cam0", calibration(500.0), later, kStart));
   EXPECT_FALSE(guard.doubts("cam0"));
 }
 
@@ -39,7 +39,7 @@ TEST(CalibrationGuard, EveryPartOfACalibrationCounts) {
   other_distortion.d[0] = 0.2;
   for (const auto& told : {other_size, other_model, other_distortion, calibration(501.0)}) {
     CalibrationGuard guard;
-    EXPECT_FALSE(guard.keeps("cam0", known, told, kStart));
+    EXPECT_FALSE(guard.judge("cam0", known, told, kStart));
     EXPECT_TRUE(guard.doubts("cam0"));
     EXPECT_FALSE(guard.doubts("cam1"));
   }
@@ -47,7 +47,7 @@ TEST(CalibrationGuard, EveryPartOfACalibrationCounts) {
 
 TEST(CalibrationGuard, ACameraInsistsWhenItTellsNothingElseForASecond) {
   CalibrationGuard guard;
-  guard.keeps("cam0", calibration(500.0), calibration(600.0), kStart);
+  guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
   EXPECT_FALSE(guard.insisted_on("cam0", kStart + 900ms));
   EXPECT_FALSE(guard.insisted_on("cam1", kStart + 1s));
   const auto insisted = guard.insisted_on("cam0", kStart + 1s);
@@ -57,24 +57,24 @@ TEST(CalibrationGuard, ACameraInsistsWhenItTellsNothingElseForASecond) {
 
 TEST(CalibrationGuard, TheKnownCalibrationInBetweenEndsTheDoubt) {
   CalibrationGuard guard;
-  guard.keeps("cam0", calibration(500.0), calibration(600.0), kStart);
-  guard.keeps("cam0", calibration(500.0), calibration(500.0), kStart + 500ms);
+  guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
+  guard.judge("cam0", calibration(500.0), calibration(500.0), kStart + 500ms);
   EXPECT_FALSE(guard.doubts("cam0"));
-  guard.keeps("cam0", calibration(500.0), calibration(600.0), kStart + 600ms);
+  guard.judge("cam0", calibration(500.0), calibration(600.0), kStart + 600ms);
   EXPECT_FALSE(guard.insisted_on("cam0", kStart + 1500ms));
   EXPECT_TRUE(guard.insisted_on("cam0", kStart + 1600ms));
 }
 
 TEST(CalibrationGuard, InsistsOnTheNewestOfSeveral) {
   CalibrationGuard guard;
-  guard.keeps("cam0", calibration(500.0), calibration(600.0), kStart);
-  guard.keeps("cam0", calibration(500.0), calibration(700.0), kStart + 800ms);
+  guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
+  guard.judge("cam0", calibration(500.0), calibration(700.0), kStart + 800ms);
   EXPECT_EQ(guard.insisted_on("cam0", kStart + 1s)->k, calibration(700.0).k);
 }
 
 TEST(CalibrationGuard, ForgetsItsDoubtsAfterAReset) {
   CalibrationGuard guard;
-  guard.keeps("cam0", calibration(500.0), calibration(600.0), kStart);
+  guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
   guard.reset();
   EXPECT_FALSE(guard.doubts("cam0"));
 }
