@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <ranges>
 #include <set>
 #include <utility>
 #include <variant>
@@ -185,7 +186,6 @@ class LiveSource::Impl {
     common::RecordingInfo info;
     info.path = info_.path;
     info.format = info_.format;
-    calibrations_.reset();
     discovery_.describe(info);
     for (const auto& [camera, readout] : options_.readout) {
       const auto found = info.calibration.cameras.find(camera);
@@ -210,7 +210,7 @@ class LiveSource::Impl {
   std::optional<common::RecordingItem> to_item(const LiveArrival& arrival) {
     const std::string sensor = inbox_.sensor_of(arrival.input);
     if (!info_.sensors.contains(sensor)) {
-      meet_latecomer(arrival, sensor);
+      meet_latecomer(arrival);
       return std::nullopt;
     }
     if (const auto* info = std::get_if<idl::Message<idl::CameraInfo>>(&arrival.payload)) {
@@ -242,8 +242,8 @@ class LiveSource::Impl {
 
   /// Learns from transforms and from sensors that take no part yet. Those that could take part do so in a session of
   /// their own, once nothing new has appeared for a while.
-  void meet_latecomer(const LiveArrival& arrival, const std::string& sensor) {
-    if (sensor.empty() || !discovery_.usable(sensor)) learn(arrival);
+  void meet_latecomer(const LiveArrival& arrival) {
+    learn(arrival);
     if (!has_settled(arrival.at)) return;
     std::vector<std::string> latecomers;
     for (const std::string& usable : discovery_.usable_sensors()) {
@@ -272,11 +272,12 @@ class LiveSource::Impl {
     return doubt(arrival, sensor, "it tells another calibration than before");
   }
 
-  /// Rejects a message of a camera whose calibration is in doubt; takes the other one when the camera insists on it.
+  /// Rejects a message of a camera whose calibration is in doubt; takes those that cameras insist on.
   common::RecordingItem doubt(const LiveArrival& arrival, const std::string& sensor, const std::string& reason) {
-    if (auto insisted = calibrations_.insisted_on(sensor, arrival.at)) {
-      discovery_.replace(sensor, *std::move(insisted));
-      restart_ = "the calibration of " + sensor + " changed";
+    const auto insisted = calibrations_.take_insisted(arrival.at);
+    for (const auto& [camera, info] : insisted) discovery_.replace(camera, info);
+    if (!insisted.empty()) {
+      restart_ = fmt::format("the calibration of {} changed", fmt::join(std::views::keys(insisted), ", "));
     }
     return reject(arrival, sensor, reason);
   }

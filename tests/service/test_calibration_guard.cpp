@@ -48,11 +48,12 @@ TEST(CalibrationGuard, EveryPartOfACalibrationCounts) {
 TEST(CalibrationGuard, ACameraInsistsWhenItTellsNothingElseForASecond) {
   CalibrationGuard guard;
   guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
-  EXPECT_FALSE(guard.insisted_on("cam0", kStart + 900ms));
-  EXPECT_FALSE(guard.insisted_on("cam1", kStart + 1s));
-  const auto insisted = guard.insisted_on("cam0", kStart + 1s);
-  ASSERT_TRUE(insisted) << "a camera may tell its calibration only once";
-  EXPECT_EQ(insisted->k, calibration(600.0).k);
+  EXPECT_TRUE(guard.take_insisted(kStart + 900ms).empty());
+  const auto insisted = guard.take_insisted(kStart + 1s);
+  ASSERT_TRUE(insisted.contains("cam0")) << "a camera may tell its calibration only once";
+  EXPECT_EQ(insisted.at("cam0").k, calibration(600.0).k);
+  EXPECT_FALSE(guard.doubts("cam0"));
+  EXPECT_TRUE(guard.take_insisted(kStart + 2s).empty());
 }
 
 TEST(CalibrationGuard, TheKnownCalibrationInBetweenEndsTheDoubt) {
@@ -61,22 +62,38 @@ TEST(CalibrationGuard, TheKnownCalibrationInBetweenEndsTheDoubt) {
   guard.judge("cam0", calibration(500.0), calibration(500.0), kStart + 500ms);
   EXPECT_FALSE(guard.doubts("cam0"));
   guard.judge("cam0", calibration(500.0), calibration(600.0), kStart + 600ms);
-  EXPECT_FALSE(guard.insisted_on("cam0", kStart + 1500ms));
-  EXPECT_TRUE(guard.insisted_on("cam0", kStart + 1600ms));
+  EXPECT_TRUE(guard.take_insisted(kStart + 1500ms).empty());
+  EXPECT_FALSE(guard.take_insisted(kStart + 1600ms).empty());
 }
 
-TEST(CalibrationGuard, InsistsOnTheNewestOfSeveral) {
+TEST(CalibrationGuard, ACalibrationThatVariesIsNeverInsistedOn) {
   CalibrationGuard guard;
-  guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
-  guard.judge("cam0", calibration(500.0), calibration(700.0), kStart + 800ms);
-  EXPECT_EQ(guard.insisted_on("cam0", kStart + 1s)->k, calibration(700.0).k);
+  auto now = kStart;
+  for (int i = 0; i < 100; ++i, now += 100ms) {
+    guard.judge("cam0", calibration(500.0), calibration(600.0 + i), now);
+    EXPECT_TRUE(guard.take_insisted(now).empty());
+  }
+  guard.judge("cam0", calibration(500.0), calibration(700.0), now);
+  guard.judge("cam0", calibration(500.0), calibration(700.0), now + 900ms);
+  EXPECT_EQ(guard.take_insisted(now + 1s).at("cam0").k, calibration(700.0).k) << "it has come to rest";
 }
 
-TEST(CalibrationGuard, ForgetsItsDoubtsAfterAReset) {
+TEST(CalibrationGuard, CamerasThatChangeTogetherInsistTogether) {
   CalibrationGuard guard;
   guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
-  guard.reset();
-  EXPECT_FALSE(guard.doubts("cam0"));
+  guard.judge("cam1", calibration(500.0), calibration(610.0), kStart + 100ms);
+  const auto insisted = guard.take_insisted(kStart + 1s);
+  EXPECT_EQ(insisted.at("cam0").k, calibration(600.0).k);
+  EXPECT_EQ(insisted.at("cam1").k, calibration(610.0).k);
+}
+
+TEST(CalibrationGuard, TheDoubtAboutOneCameraOutlastsTheChangeOfAnother) {
+  CalibrationGuard guard;
+  guard.judge("cam0", calibration(500.0), calibration(600.0), kStart);
+  guard.judge("cam1", calibration(500.0), calibration(610.0), kStart + 800ms);
+  EXPECT_EQ(guard.take_insisted(kStart + 1s).size(), 1u);
+  EXPECT_TRUE(guard.doubts("cam1"));
+  EXPECT_EQ(guard.take_insisted(kStart + 1800ms).count("cam1"), 1u);
 }
 
 }  // namespace
