@@ -24,7 +24,7 @@ class MergeStage {
     counters_.updates = ThinnedSeries<UpdateTime>(most_kept);
   }
 
-  /// The next step in index order.
+  /// The next step: of a replay in index order, live as they become complete.
   void handle(const MergedStep& step);
   /// After the last step: tells the summary of the rejected messages.
   void finish();

@@ -55,13 +55,13 @@ enum class MergeOrder {
   kAsComplete,  ///< live: the first that is complete, so that a slow module holds up nobody else's poses
 };
 
-/// Puts the outputs of modules that run at their own pace back in order (DESIGN section 3).
+/// Gathers what modules that run at their own pace made of each input (DESIGN section 3).
 ///
 /// The reader opens a slot for every input, naming the modules that get it; each module completes its part; the fusion
-/// takes slots in index order, each as soon as no module owes anything for it. So the fusion sees outputs sorted by
-/// (index, source) however the threads ran. The number of open slots is bounded: the reader waits. Live, what has been
-/// taken leaves its slot even when steps before it still wait for a slow module, so that one holds up the reader only
-/// when it owes as many outputs as there are slots.
+/// takes slots that no module owes anything for any more. The number of open slots is bounded: the reader waits. In a
+/// replay slots are taken in index order, so that the fusion sees outputs sorted by (index, source) however the threads
+/// ran. Live, a slot is taken as soon as it is complete, even when steps before it still wait for a slow module, so
+/// that one holds up the reader only when it owes as many outputs as there are slots.
 class MergeWindow {
  public:
   explicit MergeWindow(std::size_t capacity, MergeOrder order = MergeOrder::kByIndex)

@@ -32,12 +32,32 @@ using common::PoseSource;
 /// the odometry of many seconds between them.
 constexpr std::size_t kLiveQueue = 4096;
 
+bool is_live(const PipelineOptions& options) { return options.live_backlog > 0; }
+
+/// Between what the fusion handles and its commands, with so many modules. Live, one module must not wait for the
+/// outputs that all others owe.
+SequenceIndex command_delay(const PipelineOptions& options, std::size_t modules) {
+  const SequenceIndex delay = options.command_delay;
+  if (!is_live(options) || modules == 0) return delay;
+  return std::max(delay, static_cast<SequenceIndex>(modules - 1) * options.live_backlog + 1);
+}
+
+/// Steps that may wait for the fusion; live, those that wait for busy modules take none of their room.
+std::size_t window_capacity(const PipelineOptions& options, std::size_t modules) {
+  return options.queue_capacity + modules * static_cast<std::size_t>(options.live_backlog);
+}
+
+/// Inputs that may wait for a module.
+std::size_t lane_capacity(const PipelineOptions& options) {
+  return is_live(options) ? std::max(options.queue_capacity, kLiveQueue) : options.queue_capacity;
+}
+
 /// The stages of a run, the same for one thread and for many.
 struct Stages {
   Stages(const PipelineParts& parts, const PipelineOptions& options)
       : inputs(*parts.recording),
         pacer(options.rate),
-        commands(options.command_delay),
+        commands(command_delay(options, parts.modules.size())),
         merge(*parts.fusion, commands, *parts.observer, options.most_kept, parts.requests) {
     for (const auto& module : parts.modules) {
       modules.emplace_back(module, ModuleIntervals{options.map_interval, options.checkpoint_interval},
@@ -118,9 +138,9 @@ class ThreadedRun {
         options_(options),
         stop_(stop),
         stages_(parts, options),
-        window_(options.queue_capacity, is_live() ? MergeOrder::kAsComplete : MergeOrder::kByIndex) {
-    const std::size_t capacity = is_live() ? std::max(options.queue_capacity, kLiveQueue) : options.queue_capacity;
-    for (std::size_t i = 0; i < stages_.modules.size(); ++i) lanes_.emplace_back(capacity);
+        window_(window_capacity(options, parts.modules.size()),
+                is_live(options) ? MergeOrder::kAsComplete : MergeOrder::kByIndex) {
+    for (std::size_t i = 0; i < stages_.modules.size(); ++i) lanes_.emplace_back(lane_capacity(options));
   }
 
   common::Result<PipelineOutcome> run() {
@@ -157,8 +177,6 @@ class ThreadedRun {
     std::size_t dropped = 0;       // by the reading thread only
   };
 
-  bool is_live() const { return options_.live_backlog > 0; }
-
   void read() {
     while (!stop_) {
       auto input = stages_.inputs.next();
@@ -181,7 +199,7 @@ class ThreadedRun {
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       const ModuleStage& module = stages_.modules[i];
       if (!module.wants(input.message->message)) continue;
-      if (is_live() && !lanes_[i].has_room(exteroceptive, options_.live_backlog)) {
+      if (is_live(options_) && !lanes_[i].has_room(exteroceptive, options_.live_backlog)) {
         if (exteroceptive) ++lanes_[i].dropped;
         input.step.dropped_of = common::sensor_of(input.message->message);
       } else {
@@ -189,7 +207,7 @@ class ThreadedRun {
       }
     }
     // Live, odometry goes on to the fusion at once: modules make no pose of it.
-    const bool wait_for_nobody = is_live() && !exteroceptive;
+    const bool wait_for_nobody = is_live(options_) && !exteroceptive;
     if (!window_.open(std::move(input.step), wait_for_nobody ? std::set<PoseSource>() : receivers)) return false;
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (!receivers.contains(stages_.modules[i].source())) continue;

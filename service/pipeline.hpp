@@ -19,9 +19,11 @@ namespace slamfuse::service {
 
 struct PipelineOptions {
   int threads = 1;  ///< 1: everything in the calling thread; more: one for each module, one for the fusion
-  std::size_t queue_capacity = 64;       ///< inputs waiting for a module
-  int command_delay = 16;                ///< inputs from a fusion step to its commands taking effect, see CommandPath
-  common::Nanoseconds map_interval = 0;  ///< recording time between map pictures for the observer; 0: none
+  std::size_t queue_capacity = 64;  ///< inputs waiting for the fusion, and in a replay for a module
+  /// Inputs from a fusion step to its commands taking effect, see CommandPath; live at least one more than all other
+  /// modules' backlogs together.
+  int command_delay = 16;
+  common::Nanoseconds map_interval = 0;         ///< recording time between map pictures for the observer; 0: none
   common::Nanoseconds checkpoint_interval = 0;  ///< recording time between checkpoints for the observer; 0: none
   /// Scans, or images, that may wait for their module; more are dropped and counted, and the fusion gets everything as
   /// soon as it is there, so the order depends on the modules' pace. 0: a replay, nothing is dropped.

@@ -23,9 +23,10 @@ struct ServiceOptions {
   void describe(common::OptionVisitor& visit) {
     visit.integer("command_delay", command_delay, {1, 1000}, "messages",
                   "A command of the fusion takes effect this many messages after what caused it, always; larger lets "
-                  "the modules run further ahead of each other.");
+                  "the modules run further ahead of each other. `serve`: with both halves one more than `live_backlog` "
+                  "at least.");
     visit.integer("queue_capacity", queue_capacity, {1, 10000}, "messages",
-                  "`run`: messages that may wait for a module; bounds the memory.");
+                  "Messages that may wait for the fusion, and in `run` for a module; bounds the memory.");
     visit.real("map_interval", map_interval, {0.1, 3600.0}, "s",
                "Recording time between two pictures of the growing map.");
     visit.integer("live_backlog", live_backlog, {1, 10000}, "scans or images",

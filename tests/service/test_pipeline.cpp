@@ -202,16 +202,47 @@ TEST(Pipeline, LiveASlowModuleLosesImagesAndHoldsNobodyUp) {
   }
 }
 
+// How a live pipeline is built, and what comes in.
+struct LiveCase {
+  std::string name;
+  std::size_t queue_capacity;
+  int live_backlog;
+  int command_delay;
+  std::vector<common::RecordingItem> items;
+};
+
+// Few scans among many images, and no odometry that would tell the fusion how far the others are.
+std::vector<common::RecordingItem> scans_among_images() {
+  std::vector<common::RecordingItem> items;
+  for (int i = 0; i < 400; ++i) {
+    const common::Nanoseconds stamp = 1'000'000'000LL + i * 1'000'000LL;
+    if (i % 10 == 0) items.emplace_back(common::SensorMessage(common::LaserScan{stamp, "laser0", {1.0F}}));
+    items.emplace_back(common::SensorMessage(common::Image{stamp, "cam0", 0, 0, nullptr}));
+  }
+  return items;
+}
+
+class LivePipeline : public testing::TestWithParam<LiveCase> {};
+
+INSTANTIATE_TEST_SUITE_P(Capacities, LivePipeline,
+                         testing::Values(LiveCase{"SmallBacklog", 8, 5, 16, rounds(100)},
+                                         LiveCase{"BacklogFillsTheQueue", 8, 8, 16, rounds(100)},
+                                         LiveCase{"BacklogAboveTheQueue", 4, 20, 16, rounds(100)},
+                                         LiveCase{"BacklogAboveTheCommandDelay", 64, 500, 2, scans_among_images()}),
+                         [](const auto& tested) { return tested.param.name; });
+
 // The odometry and the scans of a second and more come while the visual half is at one image.
-TEST(Pipeline, LiveAModuleThatHangsHoldsUpNobody) {
+TEST_P(LivePipeline, AModuleThatHangsHoldsUpNobody) {
   class Watcher : public PipelineObserver {
    public:
     void on_estimate(const common::PoseEstimate& estimate) override {
       if (estimate.source != PoseSource::kLaser) return;
       last_laser = std::chrono::steady_clock::now();
+      newest_laser = estimate.stamp;
     }
     void on_dropped(const std::string& sensor) override { ++dropped[sensor]; }
     std::chrono::steady_clock::time_point last_laser;
+    common::Nanoseconds newest_laser = 0;
     std::map<std::string, int> dropped;
   };
   bool first = true;
@@ -219,21 +250,29 @@ TEST(Pipeline, LiveAModuleThatHangsHoldsUpNobody) {
   FakeModule visual(PoseSource::kVisual, [&first] {
     if (std::exchange(first, false)) std::this_thread::sleep_for(2s);
   });
-  FakeRecording recording(rounds(100));
+  FakeRecording recording(GetParam().items);
   FakeFusion fusion(0);
   Watcher watcher;
   PipelineOptions options;
   options.threads = 2;
-  options.queue_capacity = 8;
-  options.live_backlog = 5;
+  options.rate = 10.0;  // of recordings of 0.4 s and 3 s
+  options.queue_capacity = GetParam().queue_capacity;
+  options.live_backlog = GetParam().live_backlog;
+  options.command_delay = GetParam().command_delay;
   const auto start = std::chrono::steady_clock::now();
   const auto outcome = run_pipeline({&recording, {{&laser}, {&visual}}, &fusion, &watcher}, options, kNoStop);
   ASSERT_TRUE(outcome.has_value());
   EXPECT_LT(watcher.last_laser - start, 1s) << "the laser's poses waited for the visual half";
+  EXPECT_GT(watcher.newest_laser,
+            common::stamp_of(std::get<common::SensorMessage>(GetParam().items.back())) - 100'000'000)
+      << "the laser has no poses of the end";
   const auto& counters = outcome->counters;
   EXPECT_EQ(watcher.dropped["laser0"], static_cast<int>(counters.at(PoseSource::kLaser).dropped));
   EXPECT_EQ(watcher.dropped["cam0"], static_cast<int>(counters.at(PoseSource::kVisual).dropped));
-  EXPECT_GT(watcher.dropped["cam0"], 0);
+  const auto images = std::count_if(GetParam().items.begin(), GetParam().items.end(), [](const auto& item) {
+    return std::holds_alternative<common::Image>(std::get<common::SensorMessage>(item));
+  });
+  EXPECT_EQ(watcher.dropped["cam0"], std::max(0, static_cast<int>(images) - options.live_backlog));
   EXPECT_EQ(watcher.dropped["odom0"], 0);
 }
 
