@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/rate_watch.hpp"
 
+#include <algorithm>
+
 namespace slamfuse::service {
 namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-/// From the first message [s].
-constexpr double kLearning = 5.0;
+/// Looks with messages from which the usual rate is learnt.
+constexpr std::size_t kLearning = 5;
 /// In so many messages a rate shows.
 constexpr double kEnough = 5.0;
-/// Counts older than that tell nothing new [s].
-constexpr double kRemembered = 20.0;
+/// What is longer ago tells nothing new.
+constexpr std::chrono::seconds kRemembered{20};
 constexpr double kUnusual = 3.0;
 
 }  // namespace
@@ -20,21 +22,34 @@ double RateWatch::between(const Count& from, const Count& to) {
   return static_cast<double>(to.received - from.received) / Seconds(to.at - from.at).count();
 }
 
+bool RateWatch::is_steady() const {
+  if (heard_.size() <= kLearning) return false;
+  double slowest = between(heard_[0], heard_[1]);
+  double fastest = slowest;
+  for (std::size_t i = 2; i < heard_.size(); ++i) {
+    const double rate = between(heard_[i - 1], heard_[i]);
+    slowest = std::min(slowest, rate);
+    fastest = std::max(fastest, rate);
+  }
+  return fastest <= kUnusual * slowest;
+}
+
 void RateWatch::look(Time now, std::size_t received) {
   if (!counts_.empty() && now <= counts_.back().at) return;
   const Count count{now, received};
-  if (!counts_.empty() && received > counts_.back().received) {
-    constexpr double kNewest = 0.3;  // of the smoothed rate
-    const double rate = between(counts_.back(), count);
-    smoothed_ = smoothed_ == 0.0 ? rate : (1.0 - kNewest) * smoothed_ + kNewest * rate;
-  }
-  // A topic that has not begun yet is no slow one.
-  if (!usual_ && !counts_.empty() && received == counts_.front().received) counts_.clear();
   counts_.push_back(count);
-  const bool learnt = Seconds(now - counts_.front().at).count() >= kLearning &&
-                      static_cast<double>(received - counts_.front().received) >= kEnough;
-  if (!usual_ && learnt) usual_ = between(counts_.front(), count);
-  while (usual_ && Seconds(now - counts_.front().at).count() > kRemembered) counts_.pop_front();
+  while (counts_.size() > 1 && now - counts_[1].at >= kRemembered) counts_.pop_front();
+
+  if (heard_.empty() || received == heard_.back().received) {
+    if (heard_.size() < 2) heard_.assign(1, count);  // a topic that has not begun yet is no slow one
+    return;
+  }
+  heard_.push_back(count);
+  if (heard_.size() > kLearning + 1) heard_.pop_front();
+  constexpr double kNewest = 0.3;  // of the smoothed rate
+  const double rate = between(heard_[heard_.size() - 2], count);
+  smoothed_ = smoothed_ == 0.0 ? rate : (1.0 - kNewest) * smoothed_ + kNewest * rate;
+  if (!usual_ && is_steady()) usual_ = between(heard_.front(), heard_.back());
 }
 
 std::optional<double> RateWatch::unusual() const {

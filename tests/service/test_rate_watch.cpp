@@ -50,6 +50,33 @@ TEST(RateWatch, SilenceBeforeTheFirstMessageIsNoRate) {
   EXPECT_NEAR(*topic.watch.usual(), 20.0, 1e-9);
 }
 
+// One message, silence, and then the driver runs.
+TEST(RateWatch, AStutterAtTheStartIsNotUsual) {
+  for (const int silence : {1, 3, 30}) {
+    Topic topic;
+    topic.look();
+    topic.run(2, 1.0);
+    topic.run(silence, 0.0);
+    for (int second = 0; second < 60; ++second) {
+      topic.run(1, 10.0);
+      EXPECT_FALSE(topic.watch.unusual()) << second << " s after a silence of " << silence << " s";
+    }
+    ASSERT_TRUE(topic.watch.usual());
+    EXPECT_NEAR(*topic.watch.usual(), 10.0, 2.0);
+  }
+}
+
+TEST(RateWatch, SilenceWhileItLearnsDoesNotKeepItFromJudging) {
+  Topic topic;
+  topic.look();
+  topic.run(3, 10.0);
+  topic.run(600, 0.0);
+  topic.run(10, 10.0);
+  EXPECT_FALSE(topic.watch.unusual());
+  topic.run(1, 1.0);
+  EXPECT_TRUE(topic.watch.unusual());
+}
+
 TEST(RateWatch, SeesWithinASecondThatMessagesComeTenTimesAsFast) {
   Topic topic;
   topic.look();
@@ -90,6 +117,20 @@ TEST(RateWatch, ASlowTopicIsLookedAtForLonger) {
     topic.run(1, 0.5);
     EXPECT_FALSE(topic.watch.unusual());
   }
+}
+
+TEST(RateWatch, ATopicBelowAQuarterOfAHertzIsNotJudged) {
+  Topic slow;
+  slow.look();
+  slow.run(60, 0.25);
+  EXPECT_NEAR(*slow.watch.usual(), 0.25, 0.1);
+  slow.run(20, 0.0);
+  EXPECT_TRUE(slow.watch.unusual());
+  Topic slower;
+  slower.look();
+  slower.run(120, 0.1);
+  slower.run(60, 0.0);
+  EXPECT_FALSE(slower.watch.unusual());
 }
 
 TEST(RateWatch, AChangeThatStaysIsToldForEver) {
