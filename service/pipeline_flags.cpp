@@ -26,10 +26,17 @@ void withhold_odometry(visual_slam::MotionOptions& motion) {
 
 using common::Result;
 
-void PipelineFlags::add_to(CLI::App& command, RunRequest& run, const std::string& mode, const std::string& map) {
+void PipelineFlags::add_to(CLI::App& command, RunRequest& run) {
   configuration_.add_to(command);
-  command.add_option("--mode", mode_, mode)->check(CLI::IsMember({"slam", "localization"}))->capture_default_str();
-  command.add_option("--map", map_, map);
+  command
+      .add_option("--mode", mode_,
+                  "slam: make a map; localization: laser and visual SLAM find themselves in --map, which stays as it "
+                  "is; without landmarks in it visual SLAM makes a new map of its own that is aligned to it")
+      ->check(CLI::IsMember({"slam", "localization"}))
+      ->capture_default_str();
+  command.add_option("--map", map_,
+                     "Map bundle of an earlier run, to continue its maps or to localise in them; localization takes a "
+                     "map of Nav2 as well (its YAML file, or its folder)");
   command.add_option("--modules", run.modules, "Which halves run: laser,visual (default: all with a sensor)")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -59,12 +66,7 @@ RunFlags::RunFlags(CLI::App& app) : command_(app.add_subcommand("run", "Laser an
                    "EuRoC/ASL folder, ROS 2 or ROS 1 bag, CARMEN log, MRPT rawlog or folder of images")
       ->required();
   command_->add_option("-o,--out", request_.out, "Folder for the results")->required();
-  pipeline_.add_to(
-      *command_, request_,
-      "slam: make a map; localization: laser and visual SLAM find themselves in --map, which stays as it is; without "
-      "landmarks in it visual SLAM makes a new map of its own that is aligned to it",
-      "Map bundle of an earlier run, to continue its maps or to localise in them; localization takes a map of Nav2 as "
-      "well (its YAML file, or its folder)");
+  pipeline_.add_to(*command_, request_);
   recording_.add_to(*command_);
   command_->add_option("--cameras", request_.cameras, "Cameras to use, e.g. cam0,cam1 (default: all)")
       ->delimiter(',')
@@ -108,8 +110,7 @@ Result<CommandRequest> RunFlags::request() {
 ServeFlags::ServeFlags(CLI::App& app)
     : command_(app.add_subcommand("serve", "The service: laser and visual SLAM, fused, on a robot's ROS 2 topics")) {
   command_->add_option("-o,--out", request_.run.out, "Folder for the map and, at the end, all results")->required();
-  pipeline_.add_to(*command_, request_.run, "slam: make a map; localization: the laser finds itself in --map",
-                   "Map to continue in (a bundle) or to localise in (also a map of Nav2)");
+  pipeline_.add_to(*command_, request_.run);
   recording_.add_to(*command_);
   command_
       ->add_option("--readout", readout_,

@@ -16,9 +16,8 @@ namespace slamfuse::service {
 /// What both `run` and `serve` let the user say of the pipeline.
 class PipelineFlags {
  public:
-  /// Adds them to `command`; `run` gets what can be read straight away. `mode` and `map` are what the help says of
-  /// --mode and --map.
-  void add_to(CLI::App& command, RunRequest& run, const std::string& mode, const std::string& map);
+  /// Adds them to `command`; `run` gets what can be read straight away.
+  void add_to(CLI::App& command, RunRequest& run);
   /// Puts the rest into `run`, and with it the configuration. Error (kUsage): --mode localization without --map; and as
   /// ConfigurationFlags::read().
   common::Result<void> apply_to(RunRequest& run) const;
