@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -170,7 +171,11 @@ Result<std::string> run_sessions(const std::shared_ptr<DdsOutputs>& outputs, Liv
                                  const OnSaved& on_saved) {
   SessionSetup before{run.mode, run.map};
   bool has_pose = false;  // of any session
+  std::set<std::string> told_notes;
   while (true) {
+    for (const std::string& note : source.info().notes) {
+      if (told_notes.insert(note).second) tell(note);
+    }
     Session session(outputs, control, run, tell, [&](const Result<std::string>& outcome) {
       if (stop) on_saved(outcome);
     });
@@ -244,7 +249,6 @@ Result<std::string> run_serve(const ServeRequest& request, const Tell& tell, con
     on_saved(tl::unexpected(prepared.error()));
     return tl::unexpected(prepared.error());
   }
-  for (const auto& note : (*source)->info().notes) tell(note);
   tell("starting with " + sensors_in_words((*source)->info()));
 
   RunRequest run = request.run;
