@@ -100,7 +100,10 @@ class LiveSource::Impl {
   }
 
   std::optional<std::string> restart_wanted() {
-    if (restart_) decide();
+    if (restart_) {
+      decide();
+      take_end_wanted();  // one that came while the session was ending is met by its end
+    }
     return std::exchange(restart_, std::nullopt);
   }
 

@@ -58,7 +58,8 @@ class LiveSource final : public common::Recording {
   /// nobody uses the info() of before any more. Empty once asked.
   std::optional<std::string> restart_wanted();
 
-  /// From any thread: next() is to come to an end for this reason, as when a clock stepped back.
+  /// From any thread: next() is to come to an end for this reason, as when a clock stepped back. Nothing more happens
+  /// when it is at its end already and restart_wanted() was not asked yet.
   void end_session(const std::string& reason);
 
   /// A message of this sensor was not used, since its module was busy; from any thread.
