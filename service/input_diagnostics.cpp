@@ -50,8 +50,8 @@ std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const
   if (is_steady(input) && *age > patience) {
     return {DiagnosisLevel::kError, fmt::format("matched, but silent for {:.1f} s", *age)};
   }
-  if (!input.in_use && !input.not_usable.empty()) {
-    return {DiagnosisLevel::kError, "cannot be used: " + input.not_usable};
+  if (!input.in_use && !input.problem.empty()) {
+    return {DiagnosisLevel::kError, "cannot be used: " + input.problem};
   }
   if (input.rejected > before.rejected) {
     return {DiagnosisLevel::kWarning,
@@ -68,6 +68,7 @@ std::pair<DiagnosisLevel, std::string> verdict_on(const InputState& input, const
     return {DiagnosisLevel::kWarning,
             fmt::format("{:.1f} messages a second, usual are {:.1f}", *unusual, *rate.usual())};
   }
+  if (!input.problem.empty()) return {DiagnosisLevel::kWarning, input.problem};
   return {DiagnosisLevel::kOk, "ok"};
 }
 

@@ -17,7 +17,7 @@ struct InputState {
   std::string type;              ///< "sensor_msgs/msg/LaserScan"
   bool required = false;         ///< named by the user
   bool in_use = false;           ///< by a module
-  std::string not_usable;        ///< what is missing or wrong of its sensor that nothing can be done with it
+  std::string problem;           ///< what is missing or wrong of its sensor
   int writers = 0;               ///< matched
   std::string incompatible_qos;  ///< the policy that kept a writer from matching; empty: none did
   std::string other_type;        ///< that somebody publishes under this name while nobody publishes `type`

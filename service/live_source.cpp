@@ -36,6 +36,9 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kNap = 50ms;
 /// Between two reports on what is missing.
 constexpr auto kReport = 5s;
+/// For the transform that tells where a sensor is mounted: what publishes it may be started last, and what is assumed
+/// without it stays.
+constexpr auto kTransformPatience = 3s;
 
 }  // namespace
 
@@ -63,7 +66,7 @@ class LiveSource::Impl {
         trim_backlog();
       }
       const auto now = Clock::now();
-      const bool complete = has_settled(now) || all_named();
+      const bool complete = has_settled(now);
       const std::string missing = missing_sensors();
       if (missing.empty() && complete) {
         decide();
@@ -117,7 +120,7 @@ class LiveSource::Impl {
     for (InputState& state : states) {
       state.in_use = state.sensor.empty() || info_.sensors.contains(state.sensor);
       if (const auto problem = problems_.find(state.sensor); problem != problems_.end()) {
-        state.not_usable = problem->second;
+        state.problem = problem->second;
       }
     }
     return states;
@@ -144,19 +147,23 @@ class LiveSource::Impl {
   void learn(const LiveArrival& arrival) {
     const std::string sensor = inbox_.sensor_of(arrival.input);
     std::visit([&](const auto& message) { discovery_.hear(sensor, *message); }, arrival.payload);
-    if (sensor.empty()) return;
+    // A transform may concern any of them.
+    const std::set<std::string> concerned = sensor.empty() ? discovery_.usable_sensors() : std::set{sensor};
     const std::lock_guard lock(mutex_);
-    problems_[sensor] = discovery_.problem_of(sensor);
+    for (const std::string& known : concerned) problems_[known] = discovery_.problem_of(known);
   }
 
   bool all_named() const { return !options_.inbox.topics.empty(); }
 
-  /// Whether for a while no further sensor has become usable.
+  /// Whether neither another sensor nor a transform that tells where one is mounted is to be waited for any more: since
+  /// a sensor became usable for the last time, it has had its time to come.
   bool has_settled(Clock::time_point now) {
     const std::size_t usable = discovery_.usable_sensors().size();
     if (usable != usable_) last_appearance_ = now;
     usable_ = usable;
-    return now - last_appearance_ >= std::chrono::duration<double>(options_.settle);
+    const Clock::duration since = now - last_appearance_;
+    if (!discovery_.unmounted().empty()) return since >= kTransformPatience;
+    return all_named() || since >= std::chrono::duration<double>(options_.settle);
   }
 
   /// In words; empty when it can start.

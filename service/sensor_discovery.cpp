@@ -18,6 +18,22 @@ namespace {
 /// No robot has more; a sender that makes up ever new ones shall not fill the memory.
 constexpr std::size_t kMostFrames = 2000;
 
+/// Where a sensor is taken to be mounted when tf does not tell.
+common::Pose3 assumed_mounting(SensorKind kind) {
+  return kind == SensorKind::kCamera ? common::looking_forward() : common::Pose3{};
+}
+
+std::string in_words(SensorKind kind) {
+  return kind == SensorKind::kCamera ? "at the same place, looking forward" : "at the same place";
+}
+
+/// Whether two mountings differ by rounding at most.
+bool is_same(const common::Pose3& one, const common::Pose3& other) {
+  constexpr double kRounding = 1e-6;  // [m] and [rad]
+  return (one.translation - other.translation).norm() < kRounding &&
+         one.rotation.angularDistance(other.rotation) < kRounding;
+}
+
 }  // namespace
 
 std::optional<SensorKind> kind_of_sensor(const std::string& name) {
@@ -119,45 +135,70 @@ std::set<std::string> SensorDiscovery::usable_sensors() const {
   return sensors;
 }
 
+std::set<std::string> SensorDiscovery::unmounted() const {
+  std::set<std::string> sensors = usable_sensors();
+  std::erase_if(sensors,
+                [this](const auto& sensor) { return heard_.at(sensor).assumed || told_mounting(sensor).has_value(); });
+  return sensors;
+}
+
 std::string SensorDiscovery::problem_of(const std::string& sensor) const {
   const auto found = heard_.find(sensor);
-  if (found == heard_.end() || usable(sensor)) return {};
+  if (found == heard_.end()) return {};
   const Heard& heard = found->second;
+  if (usable(sensor)) return heard.assumed && told_mounting(sensor) ? note_on_mounting(sensor) : std::string();
   if (!heard.problem.empty() || kind_of_sensor(sensor) != SensorKind::kCamera) return heard.problem;
   return heard.message ? "no camera_info was heard of it" : "no picture was heard of it";
 }
 
-void SensorDiscovery::describe(common::RecordingInfo& info) const {
+void SensorDiscovery::describe(common::RecordingInfo& info) {
   for (const std::string& sensor : usable_sensors()) {
     const Heard& heard = heard_.at(sensor);
     const SensorKind kind = *kind_of_sensor(sensor);
+    const common::Pose3 mounted = mounting(sensor);
     info.sensors[sensor].kind = kind;
     if (kind == SensorKind::kLaser) {
-      info.calibration.lasers[sensor] =
-          *common::laser_calibration_of(*heard.scan, mounting(sensor, base_frame_, heard.frame, {}, info));
+      info.calibration.lasers[sensor] = *common::laser_calibration_of(*heard.scan, mounted);
     } else if (kind == SensorKind::kCamera) {
-      info.calibration.cameras[sensor] = *common::camera_calibration_of(
-          *heard.camera, mounting(sensor, base_frame_, heard.frame, common::looking_forward(), info));
-    } else {
-      mounting(sensor, heard.frame, base_frame_, {}, info);  // for its note
+      info.calibration.cameras[sensor] = *common::camera_calibration_of(*heard.camera, mounted);
     }
+    if (const std::string note = note_on_mounting(sensor); !note.empty()) info.notes.push_back(sensor + ": " + note);
   }
 }
 
-common::Pose3 SensorDiscovery::mounting(const std::string& sensor, const std::string& target, const std::string& source,
-                                        const common::Pose3& otherwise, common::RecordingInfo& info) const {
-  if (target == source) return {};
-  if (const auto found = frames_.transform(target, source)) return *found;
-  info.notes.push_back(fmt::format("{}: no transform between {} and {} was heard, taken to be at the same place{}",
-                                   sensor, target, source.empty() ? "a frame that is not told" : source,
-                                   otherwise.rotation.w() < 1.0 ? ", looking forward" : ""));
-  return otherwise;
+std::optional<common::Pose3> SensorDiscovery::told_mounting(const std::string& sensor) const {
+  const std::string& frame = heard_.at(sensor).frame;
+  if (frame == base_frame_) return common::Pose3{};
+  const SensorKind kind = *kind_of_sensor(sensor);
+  if (kind == SensorKind::kLaser || kind == SensorKind::kCamera) return frames_.transform(base_frame_, frame);
+  const auto T_child_base = frames_.transform(frame, base_frame_);
+  if (!T_child_base) return std::nullopt;
+  return common::to_pose3(common::to_pose2(*T_child_base));
 }
 
-common::Pose2 SensorDiscovery::T_child_base(const std::string& odometry) const {
-  const std::string& child = heard_.at(odometry).frame;
-  if (child == base_frame_) return {};
-  return common::to_pose2(frames_.transform(child, base_frame_).value_or(common::Pose3{}));
+common::Pose3 SensorDiscovery::mounting(const std::string& sensor) {
+  Heard& heard = heard_.at(sensor);
+  const auto told = told_mounting(sensor);
+  heard.assumed |= !told;
+  return heard.assumed ? assumed_mounting(*kind_of_sensor(sensor)) : *told;
+}
+
+std::string SensorDiscovery::note_on_mounting(const std::string& sensor) const {
+  const Heard& heard = heard_.at(sensor);
+  if (!heard.assumed) return {};
+  const SensorKind kind = *kind_of_sensor(sensor);
+  const auto told = told_mounting(sensor);
+  if (!told) {
+    return fmt::format("no transform between {} and {} was heard, taken to be {}", base_frame_,
+                       heard.frame.empty() ? "a frame that is not told" : heard.frame, in_words(kind));
+  }
+  if (is_same(*told, assumed_mounting(kind))) return {};
+  return fmt::format("the transform between {} and {} came too late: taken to be {} until the service is started again",
+                     base_frame_, heard.frame, in_words(kind));
+}
+
+common::Pose2 SensorDiscovery::T_child_base(const std::string& odometry) {
+  return common::to_pose2(mounting(odometry));
 }
 
 const common::RosCameraInfo& SensorDiscovery::camera_info(const std::string& camera) const {

@@ -41,16 +41,19 @@ class SensorDiscovery {
   /// Whether all is known of a sensor but where it is mounted.
   bool usable(const std::string& sensor) const;
   std::set<std::string> usable_sensors() const;
-  /// Why what was heard of a sensor cannot be used, or what is missing of a camera; empty if it can, or nothing was
-  /// heard.
+  /// The usable sensors of which tf does not tell where they are mounted, and nothing was assumed yet.
+  std::set<std::string> unmounted() const;
+  /// Why what was heard of a sensor cannot be used, or what is missing of a camera; of one that can be used, that it is
+  /// mounted elsewhere than was assumed. Else empty, as when nothing was heard.
   std::string problem_of(const std::string& sensor) const;
 
   /// Writes the usable sensors with their calibration into `info`, and a note for each mounting that tf does not tell:
-  /// such a sensor is taken to be at base_frame, a camera looking forward.
-  void describe(common::RecordingInfo& info) const;
-  /// From the frame whose pose this odometry, or external pose, tells to base_frame; the identity where tf does not
-  /// tell.
-  common::Pose2 T_child_base(const std::string& odometry) const;
+  /// such a sensor is taken to be at base_frame, a camera looking forward. There it stays whatever tf tells later: maps
+  /// are made of what it sees from there.
+  void describe(common::RecordingInfo& info);
+  /// From the frame whose pose this odometry, or external pose, tells to base_frame; the identity, from then on, where
+  /// tf does not tell.
+  common::Pose2 T_child_base(const std::string& odometry);
   /// The calibration a usable camera told.
   const common::RosCameraInfo& camera_info(const std::string& camera) const;
   /// The newest stamp of the messages that tell of sensors; 0 before the first.
@@ -62,12 +65,16 @@ class SensorDiscovery {
     std::optional<common::RosCameraInfo> camera;
     std::string frame;     // of the sensor, or of the odometry's child
     bool message = false;  // one with data
+    bool assumed = false;  // where it is mounted
     std::string problem;
   };
 
-  /// What is at hand of T_target_source: by tf, else `otherwise`, of which a note is written.
-  common::Pose3 mounting(const std::string& sensor, const std::string& target, const std::string& source,
-                         const common::Pose3& otherwise, common::RecordingInfo& info) const;
+  /// Where tf says that a sensor is mounted, T_base_sensor; of odometry and poses T_child_base in the plane.
+  std::optional<common::Pose3> told_mounting(const std::string& sensor) const;
+  /// Where it is taken to be mounted.
+  common::Pose3 mounting(const std::string& sensor);
+  /// What is to be said of it; empty if tf told it.
+  std::string note_on_mounting(const std::string& sensor) const;
   void use(Heard& heard, const common::RosHeader& header);
   void hear_pose(Heard& heard, const common::Result<RosPose>& pose);
 

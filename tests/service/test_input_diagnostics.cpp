@@ -110,6 +110,14 @@ TEST(InputDiagnostics, APublisherThatComesBackMayHaveAnotherRate) {
   }
 }
 
+TEST(InputDiagnostics, NamesWhatIsWrongOfASensorInUse) {
+  InputState state = scans(30, kStart + 3s);
+  state.problem = "the transform came too late";
+  const auto diagnosis = then(state, kStart + 3s);
+  EXPECT_EQ(diagnosis.level, DiagnosisLevel::kWarning);
+  EXPECT_EQ(diagnosis.message, "the transform came too late");
+}
+
 TEST(InputDiagnostics, NamesWhatIsMissingOfASensorThatIsHeard) {
   InputState state;
   state.sensor = "cam0";
@@ -118,7 +126,7 @@ TEST(InputDiagnostics, NamesWhatIsMissingOfASensorThatIsHeard) {
   state.writers = 1;
   state.received = 5;
   state.last_arrival = kStart + 3s;
-  state.not_usable = "no camera_info was heard of it";
+  state.problem = "no camera_info was heard of it";
   const auto diagnosis = then(state, kStart + 3s);
   EXPECT_EQ(diagnosis.level, DiagnosisLevel::kError);
   EXPECT_EQ(diagnosis.message, "cannot be used: no camera_info was heard of it");

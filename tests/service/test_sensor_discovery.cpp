@@ -127,9 +127,46 @@ TEST(SensorDiscovery, WhatCannotBeUsedLeavesAProblemUntilSomethingBetterComes) {
 TEST(SensorDiscovery, OdometryOfAnotherFrameIsBroughtToTheBase) {
   SensorDiscovery discovery("base_link");
   discovery.hear("odom0", *to_ros_odometry({kStamp, "odom"}, "wheels", {kStamp, "odom0", {}, 0.0, 0.0}));
-  EXPECT_NEAR(discovery.T_child_base("odom0").translation().norm(), 0.0, 1e-12);  // nobody told
+  EXPECT_EQ(discovery.unmounted(), std::set<std::string>{"odom0"});
   discovery.hear("tf", *to_ros_transforms({kStamp, "base_link"}, {{"wheels", common::to_pose3({0.3, 0.0, 0.0})}}));
+  EXPECT_TRUE(discovery.unmounted().empty());
   EXPECT_NEAR(discovery.T_child_base("odom0").x, -0.3, 1e-12);
+}
+
+TEST(SensorDiscovery, WhereASensorWasAssumedToBeItStaysAndAProblemSaysSo) {
+  SensorDiscovery discovery("base_link");
+  discovery.hear("laser0", *scan("front"));
+  discovery.hear("odom0", *to_ros_odometry({kStamp, "odom"}, "wheels", {kStamp, "odom0", {}, 0.0, 0.0}));
+  EXPECT_EQ(discovery.unmounted().size(), 2U);
+  common::RecordingInfo assumed;
+  discovery.describe(assumed);
+  EXPECT_EQ(assumed.notes.size(), 2U);
+  EXPECT_TRUE(discovery.unmounted().empty()) << "nobody waits for what would not be used";
+  EXPECT_EQ(discovery.problem_of("laser0"), "");
+
+  discovery.hear("tf", *to_ros_transforms({kStamp, "base_link"}, {{"front", common::to_pose3({0.2, 0.0, 0.0})},
+                                                                  {"wheels", common::to_pose3({0.3, 0.0, 0.0})}}));
+  common::RecordingInfo later;
+  discovery.describe(later);
+  EXPECT_NEAR(later.calibration.lasers.at("laser0").T_base_laser.translation.norm(), 0.0, 1e-12);
+  EXPECT_NEAR(discovery.T_child_base("odom0").translation().norm(), 0.0, 1e-12);
+  ASSERT_EQ(later.notes.size(), 2U);
+  EXPECT_NE(later.notes[0].find("came too late"), std::string::npos);
+  EXPECT_NE(discovery.problem_of("laser0").find("came too late"), std::string::npos);
+}
+
+// The base of the robot on the floor and the one above it: in the plane they are the same.
+TEST(SensorDiscovery, ATransformThatSaysWhatWasAssumedIsNeverTooLate) {
+  SensorDiscovery discovery("base_link");
+  discovery.hear("odom0", *to_ros_odometry({kStamp, "odom"}, "base_footprint", {kStamp, "odom0", {}, 0.0, 0.0}));
+  EXPECT_NEAR(discovery.T_child_base("odom0").translation().norm(), 0.0, 1e-12);
+  common::Pose3 above;
+  above.translation.z() = 0.1;
+  discovery.hear("tf", *to_ros_transforms({kStamp, "base_footprint"}, {{"base_link", above}}));
+  EXPECT_EQ(discovery.problem_of("odom0"), "");
+  common::RecordingInfo info;
+  discovery.describe(info);
+  EXPECT_TRUE(info.notes.empty());
 }
 
 }  // namespace

@@ -81,9 +81,9 @@ class Robot {
     return options;
   }
 
+  // Where they are mounted is told all the same.
   static common::RecordingInfo without_cameras(common::RecordingInfo info) {
     std::erase_if(info.sensors, [](const auto& sensor) { return sensor.second.kind == common::SensorKind::kCamera; });
-    info.calibration.cameras.clear();
     return info;
   }
 
