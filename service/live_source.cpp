@@ -4,7 +4,6 @@
 #include <deque>
 #include <map>
 #include <mutex>
-#include <ranges>
 #include <set>
 #include <utility>
 #include <variant>
@@ -284,11 +283,12 @@ class LiveSource::Impl {
 
   /// Rejects a message of a camera whose calibration is in doubt; takes those that cameras insist on.
   common::RecordingItem doubt(const LiveArrival& arrival, const std::string& sensor, const std::string& reason) {
-    const auto insisted = calibrations_.take_insisted(arrival.at);
-    for (const auto& [camera, info] : insisted) discovery_.replace(camera, info);
-    if (!insisted.empty()) {
-      restart_ = fmt::format("the calibration of {} changed", fmt::join(std::views::keys(insisted), ", "));
+    std::vector<std::string> changed;
+    for (const auto& [camera, info] : calibrations_.take_insisted(arrival.at)) {
+      discovery_.replace(camera, info);
+      changed.push_back(camera);
     }
+    if (!changed.empty()) restart_ = fmt::format("the calibration of {} changed", fmt::join(changed, ", "));
     return reject(arrival, sensor, reason);
   }
 

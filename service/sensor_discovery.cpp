@@ -162,7 +162,9 @@ void SensorDiscovery::describe(common::RecordingInfo& info) {
     } else if (kind == SensorKind::kCamera) {
       info.calibration.cameras[sensor] = *common::camera_calibration_of(*heard.camera, mounted);
     }
-    if (const std::string note = note_on_mounting(sensor); !note.empty()) info.notes.push_back(sensor + ": " + note);
+    if (const std::string note = note_on_mounting(sensor); !note.empty()) {
+      info.notes.push_back(fmt::format("{}: {}", sensor, note));
+    }
   }
 }
 
