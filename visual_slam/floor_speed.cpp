@@ -129,8 +129,12 @@ std::optional<Vote> vote(const Camera& camera, const cv::Mat& now, const cv::Mat
 
 }  // namespace
 
-void FloorSpeed::turned(double angle) {
-  for (Reference& reference : references_) reference.turn += angle;
+void FloorSpeed::moved(double seconds, double speed, double turn_rate) {
+  speed_ = speed;
+  for (Reference& reference : references_) {
+    reference.turn += seconds * turn_rate;
+    reference.way += seconds * speed;
+  }
 }
 
 std::optional<FloorSpeed::Reading> FloorSpeed::read(std::size_t index, const Camera& camera, const cv::Mat& picture,
@@ -139,13 +143,14 @@ std::optional<FloorSpeed::Reading> FloorSpeed::read(std::size_t index, const Cam
   Reference& reference = references_[index];
   const double seconds = common::to_seconds(stamp - reference.stamp);
   if (!reference.picture.empty() && seconds >= 0.0 && seconds < kShortest) return std::nullopt;
-  Reference now{{}, stamp, 0.0};
+  Reference now{{}, stamp, 0.0, 0.0};
   cv::GaussianBlur(picture, now.picture, {0, 0}, kBlur);
   const Reference before = std::exchange(reference, now);
   if (before.picture.empty() || seconds < 0.0 || seconds > kLongest) return std::nullopt;
   const auto driven = way(camera, now.picture, before, seconds);
   if (!driven) return std::nullopt;
-  const double speed = *driven / seconds;
+  const double change = speed_ - before.way / seconds;
+  const double speed = *driven / seconds + change;
   if (!follows(speed, seconds, stamp)) return std::nullopt;
   told_ = Told{speed, stamp};
   return Reading{speed, seconds};

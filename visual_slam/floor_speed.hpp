@@ -24,7 +24,8 @@ namespace slamfuse::visual_slam {
 /// not used: a floor has few corners that last.
 class FloorSpeed {
  public:
-  /// A speed, the mean over the time between two pictures.
+  /// A speed of the last step: the mean over the time between two pictures, and what the steps between them say it
+  /// changed by since.
   struct Reading {
     double speed = 0.0;    ///< of base_link forward [m/s]
     double seconds = 0.0;  ///< between the pictures
@@ -32,9 +33,10 @@ class FloorSpeed {
 
   FloorSpeed(const FloorSpeedOptions& options, std::size_t cameras) : options_(options), references_(cameras) {}
 
-  /// base_link has turned so far [rad], to the left, since the last call.
-  void turned(double angle);
-  /// Takes the next picture of a camera, after turned(). Empty when there is nothing to compare it with, no floor is
+  /// The last step of base_link, as far as it is known without the floor: it took so many seconds, at this speed
+  /// forward [m/s] and turn rate [rad/s].
+  void moved(double seconds, double speed, double turn_rate);
+  /// Takes the next picture of a camera, after moved(). Empty when there is nothing to compare it with, no floor is
   /// seen, or the floor does not tell.
   std::optional<Reading> read(std::size_t index, const Camera& camera, const cv::Mat& picture,
                               common::Nanoseconds stamp);
@@ -45,6 +47,7 @@ class FloorSpeed {
     cv::Mat picture;  // empty: none
     common::Nanoseconds stamp = 0;
     double turn = 0.0;  // [rad] since then
+    double way = 0.0;   // [m]
   };
 
   /// The last reading.
@@ -59,6 +62,7 @@ class FloorSpeed {
 
   FloorSpeedOptions options_;
   std::vector<Reference> references_;  // by camera
+  double speed_ = 0.0;                 // of the last step [m/s], without the floor
   std::optional<Told> told_;
 };
 

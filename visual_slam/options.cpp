@@ -38,7 +38,7 @@ void TurnSearchOptions::describe(OptionVisitor& visit) {
 void FloorSpeedOptions::describe(OptionVisitor& visit) {
   visit.flag("enabled", enabled,
              "Whether motion.model constant_velocity with one camera reads its speed from the floor, in metres.");
-  visit.real("max_speed", max_speed, {0.05, 10.0}, "m/s", "Largest speed that is looked for; backward a fifth of it.");
+  visit.real("max_speed", max_speed, {0.05, 2.5}, "m/s", "Largest speed that is looked for; backward a fifth of it.");
   visit.real("max_acceleration", max_acceleration, {0.05, 20.0}, "m/s^2",
              "How fast the robot changes its speed; what seems to change faster is no floor.");
   visit.real("way_sigma", way_sigma, {0.0005, 0.1}, "m", "Standard deviation of the way between two pictures.");

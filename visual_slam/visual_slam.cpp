@@ -114,9 +114,9 @@ class VisualSlam::Implementation {
  private:
   static VisualSlamOptions for_cameras(VisualSlamOptions options, std::size_t cameras) {
     options.motion = visual_slam::for_cameras(options.motion, cameras);
-    // From one picture of a camera to its next the filter then makes several steps, and the speed is that of the last.
-    const bool one_speed = cameras == 1 && options.motion.model == MotionModelKind::kConstantVelocity;
-    options.floor_speed.enabled = options.floor_speed.enabled && one_speed;
+    // Several cameras see more parallax and have less need of it; with it they were no better (README).
+    const bool one_camera = cameras == 1 && options.motion.model == MotionModelKind::kConstantVelocity;
+    options.floor_speed.enabled = options.floor_speed.enabled && one_camera;
     return options;
   }
 
@@ -225,6 +225,7 @@ class VisualSlam::Implementation {
     std::vector<common::Event> events;
     ImageEvidence evidence;
     if (seeing.is_frozen(image, reckoning_.pose())) {
+      if (!reckoning_.by_wheels()) tell_floor_speed(seconds);
       judge(evidence, events);
       return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
     }
@@ -233,7 +234,7 @@ class VisualSlam::Implementation {
     UpdateReport report;
     if (!reckoning_.by_wheels()) {
       report = update(seeing, seen, report);
-      floor_speed_.turned(seconds * filter_.twist()->angular.z());
+      tell_floor_speed(seconds);
       if (exposed) read_floor(seeing, picture);
     }
     const std::size_t followed = seen.size();
@@ -257,6 +258,12 @@ class VisualSlam::Implementation {
     remember(seeing, image, seen, report, followed, known);
     if (!localising_) limit_map();
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
+  }
+
+  /// How the filter says that the robot has moved in the step of so many seconds.
+  void tell_floor_speed(double seconds) {
+    const BodyTwist twist = *filter_.twist();
+    floor_speed_.moved(seconds, twist.linear.x() / filter_.lever_scale(), twist.angular.z());
   }
 
   /// Corrects the speed, and with it the scale, by the floor.
@@ -525,6 +532,7 @@ class VisualSlam::Implementation {
     book_.clear();
     observations_.clear();
     search_.clear();
+    floor_speed_ = FloorSpeed(options_.floor_speed, cameras_.size());
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
     judge_.clear();

@@ -67,7 +67,7 @@ std::optional<FloorSpeed::Reading> read(const Scene& scene, const Camera& camera
   FloorSpeed speed(options, 1);
   const Pose2 before{1.0, -2.0, kHeading};
   EXPECT_FALSE(speed.read(0, camera, scene.picture(camera, before), kStart)) << "there is nothing to compare with";
-  speed.turned(turn);
+  speed.moved(kSeconds, way / kSeconds, turn / kSeconds);
   return speed.read(0, camera, scene.picture(camera, before * common::exp_se2({way, 0.0, turn})), kStart + kFrame);
 }
 
@@ -88,11 +88,25 @@ TEST(FloorSpeed, TheTurnMayComeInParts) {
   const Scene scene;
   FloorSpeed speed({}, 2);
   speed.read(0, camera, scene.picture(camera, {}), kStart);
-  speed.turned(0.06);
-  speed.turned(0.04);
+  speed.moved(kSeconds / 2.0, 0.5, 0.6);
+  speed.moved(kSeconds / 2.0, 0.5, 0.4);
   const auto reading = speed.read(0, camera, scene.picture(camera, common::exp_se2({0.1, 0.0, 0.1})), kStart + kFrame);
   ASSERT_TRUE(reading);
   EXPECT_NEAR(reading->speed * kSeconds, 0.1, 0.003);
+}
+
+// At 30 Hz several steps lie between the pictures that are compared, and what is told is the speed of the last.
+TEST(FloorSpeed, TellsTheSpeedOfTheLastStep) {
+  const Camera camera = testing::make_camera("cam0", 0.0);
+  const Scene scene;
+  FloorSpeed speed({}, 1);
+  speed.read(0, camera, scene.picture(camera, {}), kStart);
+  speed.moved(kSeconds / 2.0, 0.3, 0.0);
+  EXPECT_FALSE(speed.read(0, camera, scene.picture(camera, {0.03, 0.0, 0.0}), kStart + kFrame / 4));
+  speed.moved(kSeconds / 2.0, 0.5, 0.0);
+  const auto reading = speed.read(0, camera, scene.picture(camera, {0.08, 0.0, 0.0}), kStart + kFrame);
+  ASSERT_TRUE(reading);
+  EXPECT_NEAR(reading->speed, 0.5, 0.015);
 }
 
 TEST(FloorSpeed, AFloorWithoutTextureTellsNothing) {
@@ -122,14 +136,16 @@ TEST(FloorSpeed, APatternThatRepeatsAlongTheWayTellsNothing) {
 }
 
 TEST(FloorSpeed, AWallIsNoFloor) {
+  int readings = 0;
   for (const double distance : {1.6, 2.2, 3.0}) {
     Scene scene;
     scene.wall = 1.0 + distance;
     const auto reading = read(scene, testing::make_camera("cam0", 0.0), 0.1, 0.0);
-    if (reading) {
-      EXPECT_NEAR(reading->speed * kSeconds, 0.1, 0.005) << distance;
-    }
+    if (!reading) continue;
+    ++readings;
+    EXPECT_NEAR(reading->speed * kSeconds, 0.1, 0.005) << distance;
   }
+  EXPECT_GE(readings, 1) << "there is floor before the farthest";
 }
 
 TEST(FloorSpeed, PicturesTooNearOrTooFarApartAreNotCompared) {
