@@ -71,9 +71,9 @@ class SensorDiscovery {
 
   /// Where tf says that a sensor is mounted, T_base_sensor; of odometry and poses T_child_base in the plane.
   std::optional<common::Pose3> told_mounting(const std::string& sensor) const;
-  /// Where it is taken to be mounted.
+  /// Where it is taken to be mounted; what has to be assumed is kept.
   common::Pose3 mounting(const std::string& sensor);
-  /// What is to be said of it; empty if tf told it.
+  /// That its mounting was assumed, or that tf told another one too late; empty if there is nothing to say.
   std::string note_on_mounting(const std::string& sensor) const;
   void use(Heard& heard, const common::RosHeader& header);
   void hear_pose(Heard& heard, const common::Result<RosPose>& pose);

@@ -28,8 +28,8 @@ constexpr int kRadius = 6;     // of a patch [px]
 constexpr int kSide = 2 * kRadius + 1;
 constexpr int kColumnStep = 18;  // between patches [px]
 constexpr int kRowStep = 14;
-constexpr double kLeastFall = 0.12;  // of a ray for each metre along the optical axis: farther floor tells little
-constexpr double kLeastTexture = 60.0;
+constexpr double kLeastFall = 0.12;     // of a ray for each metre along the optical axis: farther floor tells little
+constexpr double kLeastTexture = 60.0;  // of a patch, see cut()
 constexpr double kLeastTextureBefore = 30.0;
 
 constexpr double kStep = 0.004;  // between ways that are tried [m]

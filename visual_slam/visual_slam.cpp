@@ -115,8 +115,8 @@ class VisualSlam::Implementation {
   static VisualSlamOptions for_cameras(VisualSlamOptions options, std::size_t cameras) {
     options.motion = visual_slam::for_cameras(options.motion, cameras);
     // Several cameras see more parallax and have less need of it; with it they were no better (README).
-    const bool one_camera = cameras == 1 && options.motion.model == MotionModelKind::kConstantVelocity;
-    options.floor_speed.enabled = options.floor_speed.enabled && one_camera;
+    const bool needs_floor = cameras == 1 && options.motion.model == MotionModelKind::kConstantVelocity;
+    options.floor_speed.enabled = options.floor_speed.enabled && needs_floor;
     return options;
   }
 

@@ -5,6 +5,7 @@
 
 #include "idl/writer.hpp"
 #include "service/sensor_to_ros.hpp"
+#include "service/three_beams.hpp"
 #include "system/network.hpp"
 
 namespace slamfuse::service {
@@ -15,13 +16,7 @@ using namespace std::chrono_literals;
 constexpr common::Nanoseconds kStamp = 1'700'000'000'000'000'000;
 
 idl::Message<idl::LaserScan> scan() {
-  common::LaserCalibration laser;
-  laser.angle_min = -1.0;
-  laser.angle_increment = 1.0;
-  laser.beams = 3;
-  laser.range_min = 0.1;
-  laser.range_max = 5.0;
-  return to_ros_scan({kStamp, "front"}, {kStamp, "laser0", {1.0F, 2.0F, 3.0F}}, laser);
+  return to_ros_scan({kStamp, "front"}, {kStamp, "laser0", {1.0F, 2.0F, 3.0F}}, three_beams());
 }
 
 class LiveInboxTest : public testing::Test {

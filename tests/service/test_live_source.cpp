@@ -10,6 +10,7 @@
 
 #include "idl/writer.hpp"
 #include "service/sensor_to_ros.hpp"
+#include "service/three_beams.hpp"
 #include "system/network.hpp"
 
 namespace slamfuse::service {
@@ -32,14 +33,8 @@ class Robot {
         mountings_(writer<idl::TFMessage>(participant, "tf_static", idl::QosProfile::kLatchedOutput)) {}
 
   void scan(const std::string& frame) {
-    common::LaserCalibration laser;
-    laser.angle_min = -1.0;
-    laser.angle_increment = 1.0;
-    laser.beams = 3;
-    laser.range_min = 0.1;
-    laser.range_max = 5.0;
     ASSERT_TRUE(scans_.wait_for_reader(10s));
-    scans_.write(to_ros_scan({stamp_ += kPeriod, frame}, {stamp_, "laser0", {1.0F, 2.0F, 3.0F}}, laser));
+    scans_.write(to_ros_scan({stamp_ += kPeriod, frame}, {stamp_, "laser0", {1.0F, 2.0F, 3.0F}}, three_beams()));
   }
   void image() {
     ASSERT_TRUE(images_.wait_for_reader(10s));

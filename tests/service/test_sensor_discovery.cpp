@@ -6,24 +6,15 @@
 #include <gtest/gtest.h>
 
 #include "service/sensor_to_ros.hpp"
+#include "service/three_beams.hpp"
 
 namespace slamfuse::service {
 namespace {
 
 constexpr common::Nanoseconds kStamp = 1'700'000'000'000'000'000;
 
-common::LaserCalibration laser() {
-  common::LaserCalibration laser;
-  laser.angle_min = -1.0;
-  laser.angle_increment = 1.0;
-  laser.beams = 3;
-  laser.range_min = 0.1;
-  laser.range_max = 5.0;
-  return laser;
-}
-
 idl::Message<idl::LaserScan> scan(const std::string& frame) {
-  return to_ros_scan({kStamp, frame}, {kStamp, "laser0", {1.0F, 2.0F, 3.0F}}, laser());
+  return to_ros_scan({kStamp, frame}, {kStamp, "laser0", {1.0F, 2.0F, 3.0F}}, three_beams());
 }
 
 idl::Message<idl::CameraInfo> camera_info() {
