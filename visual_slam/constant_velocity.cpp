@@ -22,7 +22,7 @@ BlockId ConstantVelocity::append_parameters(State& state) const {
 bool ConstantVelocity::predict(State& state, BlockId robot, BlockId parameters, const MotionStep& step) const {
   const double dt = step.seconds;
   if (dt <= 0.0) return false;
-  const Eigen::Vector4d change(0.0, square(options_.speed_noise) * dt,
+  const Eigen::Vector4d change(0.0, square(step.speed_is_told ? options_.told_speed_noise : options_.speed_noise) * dt,
                                square(common::to_radians(options_.turn_rate_noise)) * dt, 0.0);
   const JacobianPart<Eigen::Dynamic> same[] = {{parameters, Eigen::Matrix4d::Identity()}};
   state.transform(parameters, Eigen::VectorXd(state.mean(parameters)), BlockKind::kVelocity, same, change.asDiagonal());

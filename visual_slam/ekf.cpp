@@ -62,7 +62,9 @@ Ekf::Ekf(const FilterOptions& filter, const MotionOptions& motion)
   motion_parameters_ = motion_->append_parameters(state_);
 }
 
-void Ekf::predict(const MotionStep& step) {
+void Ekf::predict(const MotionStep& given) {
+  MotionStep step = given;
+  step.speed_is_told = metres_are_told_;
   const common::Pose2 before = pose();
   const std::optional<Slip> slip = motion_->slip(state_, robot_, motion_parameters_, step);
   if (motion_->predict(state_, robot_, motion_parameters_, step)) past_poses_.robot_moved();
@@ -116,6 +118,11 @@ bool Ekf::depth_is_known(const FilterLandmark& landmark) const {
   return std::sqrt(state_.covariance(landmark.block, landmark.block)(2, 2)) < options_.known_depth * rho;
 }
 
+bool Ekf::knows_depth(LandmarkId landmark) const {
+  const FilterLandmark& entry = landmarks_.at(landmark);
+  return entry.form != LandmarkForm::kWaiting && depth_is_known(entry);
+}
+
 /// For each measurement, whether its parallax may teach the robot. Without metres from the motion model somebody has to
 /// say how fast the robot moves, and while few depths are known that is the inverse depth landmarks start with.
 std::vector<bool> Ekf::which_depths_count(std::span<const Measurement> measurements,
@@ -126,7 +133,7 @@ std::vector<bool> Ekf::which_depths_count(std::span<const Measurement> measureme
     count[i] = depth_is_known(landmarks_.at(measurements[i].landmark));
     known += count[i] ? 1 : 0;
   }
-  if (!motion_->is_metric() && known < options_.min_known_depths) count.assign(count.size(), true);
+  if (!is_metric() && known < options_.min_known_depths) count.assign(count.size(), true);
   return count;
 }
 
@@ -188,7 +195,7 @@ void Ekf::correct(const Camera& camera, std::span<const Measurement> measurement
   std::vector<std::size_t> accepted;
   for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);
 
-  if (options_.scene_depth_sigma > 0.0 && motion_->is_metric()) {
+  if (options_.scene_depth_sigma > 0.0 && is_metric()) {
     std::vector<double> known = known_inverse_depths(camera, measurements, accepted);
     if (static_cast<int>(known.size()) >= options_.min_known_depths) {
       typical_inverse_depth_ = common::median(std::move(known));
@@ -223,7 +230,7 @@ void Ekf::correct(const Camera& camera, std::span<const Measurement> measurement
 
 bool Ekf::starts_delayed() const {
   if (options_.initialisation == InitialisationKind::kInverseDepth) return false;
-  if (motion_->is_metric()) return true;
+  if (is_metric()) return true;
   // Nobody but the landmarks knows how fast the robot moves, and a pair of sights says nothing without that.
   const auto known = std::count_if(landmarks_.begin(), landmarks_.end(),
                                    [](const auto& entry) { return entry.second.form == LandmarkForm::kPoint; });
@@ -358,6 +365,31 @@ void Ekf::correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& cov
   state_.subtract_outer_product(llt.matrixL().solve(gain_side.transpose()).transpose());
   state_.correct(step);
   past_poses_.robot_moved();
+}
+
+void Ekf::let_scale_drift(std::span<const LandmarkId> landmarks, double sigma) {
+  if (!motion_->metric_speed(state_, motion_parameters_)) return;
+  Eigen::VectorXd grown = Eigen::VectorXd::Zero(state_.size());
+  const Eigen::Vector3d here = body_pose(state_, robot_).position;
+  for (const LandmarkId id : landmarks) {
+    const FilterLandmark& landmark = landmarks_.at(id);
+    if (!landmark.in_state()) continue;
+    const int offset = state_.offset(landmark.block);
+    if (landmark.anchored()) {
+      grown[offset + 2] = -state_.mean(landmark.block)[2];
+    } else {
+      grown.segment<3>(offset) = state_.mean(landmark.block) - here;
+    }
+  }
+  grown[state_.offset(motion_parameters_) + kSpeedIndex] = state_.mean(motion_parameters_)[kSpeedIndex];
+  state_.add_error(sigma * grown);
+}
+
+void Ekf::doubt_speed(double sigma) {
+  if (!motion_->metric_speed(state_, motion_parameters_)) return;
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(state_.size());
+  error[state_.offset(motion_parameters_) + kSpeedIndex] = sigma;
+  state_.add_error(error);
 }
 
 bool Ekf::correct_speed(double measured, double sigma) {

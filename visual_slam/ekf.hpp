@@ -63,6 +63,11 @@ class Ekf {
   /// larger than the options allow (or the camera's calibration is wrong). The estimate may be off by more than its
   /// covariance then.
   bool odometry_is_doubtful() const;
+  /// Whether the map's unit is a metre: by the motion model, or because somebody tells the speed in metres.
+  bool is_metric() const { return motion_->is_metric() || metres_are_told_; }
+  /// From now on, or from now on not, the speed is told in metres (correct_speed). Landmarks of unknown depth teach the
+  /// robot no speed then.
+  void set_metres_are_told(bool told) { metres_are_told_ = told; }
   /// How many units of the map a metre is.
   double lever_scale() const { return motion_->lever_scale(state_, motion_parameters_); }
   /// Optical centre of a camera in the map.
@@ -127,6 +132,13 @@ class Ekf {
   /// than it should have been, all covariances are first enlarged by the factor that makes it plausible; without that
   /// the correction would stop half-way.
   void correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& covariance);
+  /// The scale of what these landmarks and the speed say grows uncertain by `sigma`, a share of it: their places about
+  /// the robot and the speed get an error in common, which no bearing can see.
+  void let_scale_drift(std::span<const LandmarkId> landmarks, double sigma);
+  /// The speed alone grows uncertain by `sigma`, of its unit.
+  void doubt_speed(double sigma);
+  /// Whether enough is known of a landmark's depth for it to teach the robot its speed (see the README, depth).
+  bool knows_depth(LandmarkId landmark) const;
   /// Corrects everything by a measured speed forward [m/s] of the step predicted last, for motion models that have one.
   /// Returns whether it was believed: not when it is more than three standard deviations off.
   bool correct_speed(double measured, double sigma);
@@ -169,6 +181,7 @@ class Ekf {
   BlockId motion_parameters_;
   std::map<LandmarkId, FilterLandmark> landmarks_;
   PastPoses past_poses_;
+  bool metres_are_told_ = false;
   std::optional<double> typical_inverse_depth_;  // of what the last image saw; empty when too little is known
   SlipWatch wheels_;
   SlipAdmission slip_admission_;

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
 #include "common/pose2.hpp"
+#include "visual_slam/way_votes.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -17,30 +17,26 @@ namespace {
 constexpr double kShortest = 0.1;
 constexpr double kLongest = 0.6;
 
-// A speed that does not follow from the one told before is that of something else, as a bed's in place of the floor's.
-// It may be told for seconds, so waiting makes it no more plausible for long [s] ...
-constexpr double kPatience = 0.4;
-// ... but when nothing that follows was seen for so long [s], what was told before says nothing any more.
-constexpr double kForgetful = 3.0;
-
 constexpr double kBlur = 0.8;  // [px] sigma, against noise between the pixels
-constexpr int kRadius = 6;     // of a patch [px]
+constexpr int kRadius = 9;     // of a patch [px]
 constexpr int kSide = 2 * kRadius + 1;
 constexpr int kColumnStep = 18;  // between patches [px]
 constexpr int kRowStep = 14;
-constexpr double kLeastFall = 0.12;     // of a ray for each metre along the optical axis: farther floor tells little
-constexpr double kLeastTexture = 60.0;  // of a patch, see cut()
-constexpr double kLeastTextureBefore = 30.0;
+constexpr double kLeastFall = 0.12;  // of a ray for each metre along the optical axis: farther floor tells little
+constexpr double kLeastTexture = 2.5 * kSide;  // of a patch, see cut()
+constexpr double kLeastTextureBefore = 0.5 * kLeastTexture;
 
 constexpr double kStep = 0.004;  // between ways that are tried [m]
 constexpr int kMostSteps = 120;
 constexpr double kBackward = 0.2;  // of the largest speed
 constexpr float kLeastCorrelation = 0.85F;
-constexpr double kBeside = 0.02;  // so far beside a patch's way [m] its correlation must be less ...
-constexpr float kFall = 0.08F;    // ... by this much
-constexpr float kMostWeight = 0.3F;
-constexpr double kVoteSigma = 0.006;  // of a vote [m]
-constexpr double kRivalFrom = 0.02;   // farther away [m] it is another way
+constexpr double kBeside = 0.02;     // so far beside a patch's way [m] its correlation must be less ...
+constexpr float kFall = 0.04F;       // ... by this much
+constexpr double kPixelSigma = 0.4;  // of where a patch is found [px] ...
+constexpr double kWaySigma = 0.002;  // ... and of the floor, which is not quite flat, and the tilt of the camera [m]
+
+constexpr double kThickness = 0.25;  // so far below its known points a thing hides the floor for sure [m] ...
+constexpr double kHalfWidth = 0.1;   // ... and so far to both sides [rad]
 
 /// Cuts the patch around a point of the picture and gives its texture: the length of it without its mean, 0 outside.
 double cut(const cv::Mat& picture, const Eigen::Vector2d& centre, cv::Mat& patch) {
@@ -58,17 +54,18 @@ double cut(const cv::Mat& picture, const Eigen::Vector2d& centre, cv::Mat& patch
 
 /// The ways that are tried, and where base_link was if it has driven them.
 struct Ways {
-  Ways(double largest_speed, double seconds, double turn) {
-    const double most = largest_speed * seconds;
-    least = -kBackward * most;
-    const int steps = std::clamp(static_cast<int>((most - least) / kStep), 8, kMostSteps);
-    step = (most - least) / steps;
-    for (int i = 0; i <= steps; ++i) T_before_now.push_back(common::exp_se2({way(i), 0.0, turn}));
+  template <class TurnOfWay>
+  Ways(double largest_speed, double seconds, const TurnOfWay& turn)
+      : range{-kBackward * largest_speed * seconds, largest_speed * seconds} {
+    const double width = range.most - range.least;
+    const int steps = std::clamp(static_cast<int>(width / kStep), 8, kMostSteps);
+    step = width / steps;
+    for (int i = 0; i <= steps; ++i) T_before_now.push_back(common::exp_se2({way(i), 0.0, turn(way(i))}));
   }
-  double way(double i) const { return least + i * step; }
+  double way(double i) const { return range.least + i * step; }
   std::size_t size() const { return T_before_now.size(); }
 
-  double least = 0.0;
+  WayRange range;
   double step = 0.0;
   std::vector<common::Pose2> T_before_now;
 };
@@ -84,27 +81,36 @@ double top_near(const Values& values, std::size_t i) {
   return static_cast<double>(i) + shift;
 }
 
-/// What one patch says.
-struct Vote {
-  double way = 0.0;
-  double weight = 0.0;
-};
-
-/// At which way a patch of the picture `now` is found in the one before, if at one only.
-std::optional<Vote> vote(const Camera& camera, const cv::Mat& now, const cv::Mat& before, const Eigen::Vector2d& pixel,
-                         const Ways& ways) {
+/// What the pixel shows if it shows the floor, in base_link; empty where that is too far away.
+std::optional<Eigen::Vector3d> floor_at(const Camera& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector3d ray = camera.R_base_camera * camera.calibration.undistort(pixel).homogeneous();
   if (ray.z() > -kLeastFall) return std::nullopt;
+  return camera.t_base_camera - ray * (camera.t_base_camera.z() / ray.z());
+}
+
+/// Whether the line of sight to the floor goes through the thing a point is on: below the point, but not by far, which
+/// may be under a table.
+bool hides(const Camera& camera, const Eigen::Vector3d& floor, const Eigen::Vector3d& standing) {
+  const Eigen::Vector2d to_floor = (floor - camera.t_base_camera).head<2>();
+  const Eigen::Vector2d to_point = (standing - camera.t_base_camera).head<2>();
+  const double share = to_point.norm() / to_floor.norm();
+  if (share > 1.0 || to_point.dot(to_floor) < std::cos(kHalfWidth) * to_point.norm() * to_floor.norm()) return false;
+  const double height = camera.t_base_camera.z() * (1.0 - share);
+  return height < standing.z() && height > standing.z() - kThickness;
+}
+
+/// At which way a patch of the picture `now` is found in the one before, if at one only.
+std::optional<WayVote> vote(const Camera& camera, const cv::Mat& now, const cv::Mat& before,
+                            const Eigen::Vector2d& pixel, const Eigen::Vector3d& floor, const Ways& ways) {
   cv::Mat patch;
   const double texture = cut(now, pixel, patch);
   if (texture < kLeastTexture) return std::nullopt;
   patch = (patch - cv::mean(patch)[0]) / texture;
   const Eigen::Vector3d& centre = camera.t_base_camera;
-  const Eigen::Vector3d on_floor = centre - ray * (centre.z() / ray.z());
   std::vector<float> found(ways.size(), -1.0F);
   cv::Mat other;
   for (std::size_t i = 0; i < ways.size(); ++i) {
-    const Eigen::Vector2d place = ways.T_before_now[i] * Eigen::Vector2d(on_floor.head<2>());
+    const Eigen::Vector2d place = ways.T_before_now[i] * Eigen::Vector2d(floor.head<2>());
     const Eigen::Vector3d seen =
         camera.R_base_camera.transpose() * (Eigen::Vector3d(place.x(), place.y(), 0.0) - centre);
     const std::optional<Eigen::Vector2d> there = camera.calibration.project(seen);
@@ -124,72 +130,63 @@ std::optional<Vote> vote(const Camera& camera, const cv::Mat& now, const cv::Mat
     const bool elsewhere = i + beside < best || i > best + beside;
     if (elsewhere && found[i] > found[best] - kFall) return std::nullopt;  // what repeats could be at either
   }
-  return Vote{ways.way(top_near(found, best)), std::min(fall, kMostWeight)};
+  const double for_a_pixel = (floor - centre).squaredNorm() / (camera.focal_length * centre.z());  // [m] of the floor
+  return WayVote{ways.way(top_near(found, best)), std::hypot(kPixelSigma * for_a_pixel, kWaySigma)};
 }
 
 }  // namespace
 
-void FloorSpeed::moved(double seconds, double speed, double turn_rate) {
+double FloorSpeed::Reference::turn(double way_driven) const {
+  double seconds = 0.0;
+  for (const Step& step : steps) seconds += step.seconds;
+  double sum = 0.0;
+  for (const Step& step : steps) sum += step.turn(way_driven * step.seconds / seconds);
+  return sum;
+}
+
+void FloorSpeed::moved(double seconds, double speed, const TurnByWay& turn) {
+  if (seconds <= 0.0) return;
   speed_ = speed;
   for (Reference& reference : references_) {
-    reference.turn += seconds * turn_rate;
+    if (reference.picture.empty()) continue;
+    reference.steps.push_back({seconds, turn});
     reference.way += seconds * speed;
   }
 }
 
 std::optional<FloorSpeed::Reading> FloorSpeed::read(std::size_t index, const Camera& camera, const cv::Mat& picture,
-                                                    common::Nanoseconds stamp) {
+                                                    common::Nanoseconds stamp,
+                                                    std::span<const Eigen::Vector3d> standing) {
   if (!options_.enabled || camera.t_base_camera.z() <= 0.0) return std::nullopt;
   Reference& reference = references_[index];
   const double seconds = common::to_seconds(stamp - reference.stamp);
   if (!reference.picture.empty() && seconds >= 0.0 && seconds < kShortest) return std::nullopt;
-  Reference now{{}, stamp, 0.0, 0.0};
+  Reference now{{}, stamp, {}, 0.0};
   cv::GaussianBlur(picture, now.picture, {0, 0}, kBlur);
   const Reference before = std::exchange(reference, now);
   if (before.picture.empty() || seconds < 0.0 || seconds > kLongest) return std::nullopt;
-  const auto driven = way(camera, now.picture, before, seconds);
+  const auto driven = way(camera, now.picture, before, seconds, standing);
   if (!driven) return std::nullopt;
   const double change = speed_ - before.way / seconds;
-  const double speed = *driven / seconds + change;
-  if (!follows(speed, seconds, stamp)) return std::nullopt;
-  told_ = Told{speed, stamp};
-  return Reading{speed, seconds};
+  return Reading{*driven / seconds + change, seconds};
 }
 
-bool FloorSpeed::follows(double speed, double seconds, common::Nanoseconds stamp) const {
-  if (!told_) return true;
-  const double since = common::to_seconds(stamp - told_->stamp);
-  if (since < 0.0 || since > kForgetful) return true;
-  const double noise = 3.0 * std::numbers::sqrt2 * options_.way_sigma / seconds;
-  return std::abs(speed - told_->speed) < noise + options_.max_acceleration * std::min(since, kPatience);
-}
-
-std::optional<double> FloorSpeed::way(const Camera& camera, const cv::Mat& now, const Reference& before,
-                                      double seconds) const {
-  const Ways ways(options_.max_speed, seconds, before.turn);
-  std::vector<double> votes(ways.size(), 0.0);
-  int voters = 0;
+std::optional<double> FloorSpeed::way(const Camera& camera, const cv::Mat& now, const Reference& before, double seconds,
+                                      std::span<const Eigen::Vector3d> standing) const {
+  const Ways ways(options_.max_speed, seconds, [&before](double driven) { return before.turn(driven); });
+  std::vector<WayVote> votes;
   for (int row = kRowStep; row < now.rows; row += kRowStep) {
     for (int column = kColumnStep / 2; column < now.cols; column += kColumnStep) {
-      const auto said = vote(camera, now, before.picture, {column, row}, ways);
-      if (!said) continue;
-      ++voters;
-      for (std::size_t i = 0; i < votes.size(); ++i) {
-        const double off = (ways.way(static_cast<double>(i)) - said->way) / kVoteSigma;
-        votes[i] += said->weight * std::exp(-0.5 * off * off);
-      }
+      const Eigen::Vector2d pixel(column, row);
+      const std::optional<Eigen::Vector3d> floor = floor_at(camera, pixel);
+      if (!floor) continue;
+      const auto stands_before = [&](const Eigen::Vector3d& point) { return hides(camera, *floor, point); };
+      if (std::any_of(standing.begin(), standing.end(), stands_before)) continue;
+      if (const auto said = vote(camera, now, before.picture, pixel, *floor, ways)) votes.push_back(*said);
     }
   }
-  if (voters < options_.least_patches) return std::nullopt;
-  const auto best = static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
-  if (best < 1 || best + 1 >= votes.size()) return std::nullopt;
-  double rival = 0.0;
-  for (std::size_t i = 0; i < votes.size(); ++i) {
-    const double away = std::abs(static_cast<double>(i) - static_cast<double>(best)) * ways.step;
-    if (away > kRivalFrom) rival = std::max(rival, votes[i]);
-  }
-  if (rival > options_.max_rival * votes[best]) return std::nullopt;
-  return ways.way(top_near(votes, best));
+  if (static_cast<int>(votes.size()) < options_.least_patches) return std::nullopt;
+  return likeliest_way(votes, ways.range);
 }
 
 }  // namespace slamfuse::visual_slam

@@ -38,6 +38,8 @@ void predict_pose(State& state, BlockId robot, BlockId calibration, const common
 struct MotionStep {
   double seconds = 0.0;
   common::Pose2 odometry;  ///< what the wheel odometry says, for those that use it
+  /// Whether the speed is measured from outside, so that it need not be held to.
+  bool speed_is_told = false;
 };
 
 /// What slipping wheels do, by one standard deviation of slip along the way (first column) and in the turn (second).

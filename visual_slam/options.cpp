@@ -9,6 +9,8 @@ void ConstantVelocityOptions::describe(OptionVisitor& visit) {
   visit.real("initial_speed_sigma", initial_speed_sigma, {0.0, 10.0}, "1/s", "How fast the robot may be at the start.");
   visit.real("initial_turn_rate_sigma", initial_turn_rate_sigma, {0.0, 360.0}, "deg/s", "How fast it may be turning.");
   visit.real("speed_noise", speed_noise, {0.0, 20.0}, "1/s/sqrt(s)", "How fast the speed changes.");
+  visit.real("told_speed_noise", told_speed_noise, {0.0, 20.0}, "1/s/sqrt(s)",
+             "How fast the speed changes while the floor tells it in metres.");
   visit.real("turn_rate_noise", turn_rate_noise, {0.0, 2000.0}, "deg/s/sqrt(s)", "How fast the turn rate changes.");
   visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "1/sqrt(1)", "How far the robot slips sideways.");
   visit.real("lever_scale_sigma", lever_scale_sigma, {0.0, 2.0}, "",
@@ -39,12 +41,15 @@ void FloorSpeedOptions::describe(OptionVisitor& visit) {
   visit.flag("enabled", enabled,
              "Whether motion.model constant_velocity with one camera reads its speed from the floor, in metres.");
   visit.real("max_speed", max_speed, {0.05, 2.5}, "m/s", "Largest speed that is looked for; backward a fifth of it.");
-  visit.real("max_acceleration", max_acceleration, {0.05, 20.0}, "m/s^2",
-             "How fast the robot changes its speed; what seems to change faster is no floor.");
   visit.real("way_sigma", way_sigma, {0.0005, 0.1}, "m", "Standard deviation of the way between two pictures.");
   visit.integer("least_patches", least_patches, {1, 1000}, "", "Patches of floor that must tell a way.");
-  visit.real("max_rival", max_rival, {0.0, 1.0}, "",
-             "Votes another way may have, as a part of those for the way believed in.");
+  visit.real("scale_drift", scale_drift, {0.0, 1.0}, "1/sqrt(s)",
+             "How the scale of what is seen drifts, as a standard deviation, while the floor tells metres.");
+  visit.real("memory", memory, {0.0, 3600.0}, "s",
+             "The map is in metres for so long after the floor was believed; then the landmarks say how fast the robot "
+             "moves.");
+  visit.real("patience", patience, {0.1, 3600.0}, "s",
+             "After so long in which what the floor says was refused again and again, what is seen is mapped anew.");
 }
 
 void MotionOptions::describe(OptionVisitor& visit) {

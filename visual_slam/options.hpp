@@ -15,6 +15,7 @@ struct ConstantVelocityOptions {
   double initial_speed_sigma = 0.4;       ///< [1/s]
   double initial_turn_rate_sigma = 40.0;  ///< [deg/s]
   double speed_noise = 0.05;              ///< [1/s / sqrt(s)]
+  double told_speed_noise = 0.3;          ///< [1/s / sqrt(s)]
   double turn_rate_noise = 80.0;          ///< [deg/s / sqrt(s)]
   double lateral_noise = 0.01;            ///< [1/sqrt(1)]
   double lever_scale_sigma = 0.5;
@@ -45,11 +46,12 @@ struct TurnSearchOptions {
 /// How the floor is read for the speed, without wheel odometry.
 struct FloorSpeedOptions {
   bool enabled = true;
-  double max_speed = 1.25;        ///< [m/s]
-  double max_acceleration = 1.0;  ///< [m/s^2]
-  double way_sigma = 0.004;       ///< [m]
+  double max_speed = 1.25;   ///< [m/s]
+  double way_sigma = 0.003;  ///< [m]
   int least_patches = 8;
-  double max_rival = 0.35;
+  double scale_drift = 0.02;  ///< [1 / sqrt(s)]
+  double memory = 10.0;       ///< [s]
+  double patience = 3.0;      ///< [s]
 
   void describe(common::OptionVisitor& visit);
 };

@@ -23,6 +23,9 @@ enum class BlockKind {
   kFreeVelocity,  ///< the same with three numbers for the velocity [1/s], in the axes of base_link
 };
 
+/// Which of the numbers of a BlockKind::kVelocity the speed is.
+inline constexpr int kSpeedIndex = 1;
+
 /// The most columns a Jacobian part may have: the 13 numbers of a free camera (seed 002 section 2.2).
 inline constexpr int kMaxBlockSize = 13;
 
@@ -90,6 +93,8 @@ class State {
   void correct_alone(BlockId block, double residual, std::span<const JacobianPart<1>> jacobian, double variance);
   /// P <- factor P: the estimate turned out to be less certain than it says.
   void inflate(double factor) { covariance_.topLeftCorner(size_, size_) *= factor; }
+  /// P <- P + e e^T: an error that is independent of all others.
+  void add_error(const Eigen::VectorXd& e) { covariance_.topLeftCorner(size_, size_).noalias() += e * e.transpose(); }
   /// P <- P - Y Y^T.
   void subtract_outer_product(const Eigen::MatrixXd& y);
 

@@ -17,7 +17,7 @@
 #include "visual_slam/estimate_judge.hpp"
 #include "visual_slam/feature_selection.hpp"
 #include "visual_slam/feature_supply.hpp"
-#include "visual_slam/floor_speed.hpp"
+#include "visual_slam/floor_reckoning.hpp"
 #include "visual_slam/image_sampler.hpp"
 #include "visual_slam/landmark_book.hpp"
 #include "visual_slam/map_search.hpp"
@@ -41,6 +41,23 @@ std::set<LandmarkId> numbers(const std::vector<Track>& tracks) {
   return result;
 }
 
+std::vector<LandmarkId> numbers_in_order(const std::vector<Track>& tracks) {
+  std::vector<LandmarkId> result;
+  for (const Track& track : tracks) result.push_back(track.landmark);
+  return result;
+}
+
+/// The features that are in the pictures before and now.
+std::vector<FollowedFeature> followed_features(const std::vector<Track>& before, const std::vector<Track>& now) {
+  std::vector<FollowedFeature> features;
+  for (const Track& track : now) {
+    const auto last = std::find_if(before.begin(), before.end(),
+                                   [&track](const Track& one) { return one.landmark == track.landmark; });
+    if (last != before.end()) features.push_back({last->pixel, track.pixel});
+  }
+  return features;
+}
+
 }  // namespace
 
 class VisualSlam::Implementation {
@@ -51,7 +68,7 @@ class VisualSlam::Implementation {
         cameras_(tracks_of(cameras)),
         clocks_(options.image_clock, options.turn_search, cameras_),
         features_(options, std::move(selection), cameras.size()),
-        floor_speed_(options_.floor_speed, cameras.size()),
+        floor_(options_.floor_speed, cameras.size()),
         book_(options),
         search_(options, seed),
         judge_(options),
@@ -117,6 +134,8 @@ class VisualSlam::Implementation {
     // Several cameras see more parallax and have less need of it; with it they were no better (README).
     const bool needs_floor = cameras == 1 && options.motion.model == MotionModelKind::kConstantVelocity;
     options.floor_speed.enabled = options.floor_speed.enabled && needs_floor;
+    // The floor tells metres, so the lever arm is known in the map's unit.
+    if (options.floor_speed.enabled) options.motion.constant_velocity.lever_scale_sigma = 0.0;
     return options;
   }
 
@@ -225,18 +244,16 @@ class VisualSlam::Implementation {
     std::vector<common::Event> events;
     ImageEvidence evidence;
     if (seeing.is_frozen(image, reckoning_.pose())) {
-      if (!reckoning_.by_wheels()) tell_floor_speed(seconds);
+      if (floor_.is_enabled()) floor_.skip(filter_, seconds);
       judge(evidence, events);
       return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
     }
     const bool exposed = is_exposed(picture);
     std::vector<Track> seen = exposed ? follow(seeing, picture, evidence) : std::vector<Track>{};
     UpdateReport report;
-    if (!reckoning_.by_wheels()) {
-      report = update(seeing, seen, report);
-      tell_floor_speed(seconds);
-      if (exposed) read_floor(seeing, picture);
-    }
+    bool contradicted = false;
+    if (floor_.is_enabled()) contradicted = read_floor(seeing, exposed ? picture : cv::Mat(), seconds, seen, report);
+    if (!reckoning_.by_wheels()) report = update(seeing, seen, report);
     const std::size_t followed = seen.size();
     if (exposed && !search_.pose_is_doubted()) recognise(seeing, picture, seen);
     report = update(seeing, seen, report);
@@ -253,6 +270,12 @@ class VisualSlam::Implementation {
       search_map(seeing, picture);
       close_loop(seeing, picture, events);
     }
+    if (contradicted) {
+      drop(numbers_in_order(seeing.tracks));
+      events.push_back(event("scale_contradicted",
+                             "the floor says another speed than what is mapped here, which is "
+                             "mapped anew"));
+    }
     const std::size_t known = seeing.tracks.size();
     if (exposed && !localising_ && judge_.map_may_grow()) add_features(seeing, picture);
     remember(seeing, image, seen, report, followed, known);
@@ -260,19 +283,31 @@ class VisualSlam::Implementation {
     return {.estimate = estimate(seen, report, std::move(events)), .rejected = {}};
   }
 
-  /// How the filter says that the robot has moved in the step of so many seconds.
-  void tell_floor_speed(double seconds) {
-    const BodyTwist twist = *filter_.twist();
-    floor_speed_.moved(seconds, twist.linear.x() / filter_.lever_scale(), twist.angular.z());
-  }
-
-  /// Corrects the speed, and with it the scale, by the floor.
-  void read_floor(const CameraTracks& seeing, const cv::Mat& picture) {
-    const auto reading = floor_speed_.read(index_of(seeing), seeing.camera, picture, *newest_);
-    if (!reading) return;
-    if (filter_.correct_speed(reading->speed, options_.floor_speed.way_sigma / reading->seconds)) {
-      reckoning_.corrected(filter_);
-    }
+  /// Corrects the speed by the floor: after the landmarks of known depth, which come first in `seen` then, and before
+  /// those that learn theirs by it. Returns whether the floor contradicts what is mapped here.
+  bool read_floor(const CameraTracks& seeing, const cv::Mat& picture, double seconds, std::vector<Track>& seen,
+                  UpdateReport& report) {
+    const bool metric = floor_.tells_metres(*newest_);
+    filter_.set_metres_are_told(metric);
+    if (metric) floor_.age(filter_, numbers_in_order(seen), seconds);
+    const auto unknown = std::stable_partition(
+        seen.begin(), seen.end(), [this](const Track& track) { return filter_.knows_depth(track.landmark); });
+    const std::vector<Track> known(seen.begin(), unknown);
+    const bool landmarks_speak = metric && std::ssize(known) >= options_.filter.min_known_depths;
+    if (landmarks_speak) report = update(seeing, known, report);
+    const std::vector<LandmarkId> landmarks = numbers_in_order(known);
+    const std::vector<FollowedFeature> followed = followed_features(seeing.tracks, seen);
+    const auto verdict = floor_.read(filter_, {.camera_index = index_of(seeing),
+                                               .camera = seeing.camera,
+                                               .picture = picture,
+                                               .stamp = *newest_,
+                                               .seconds = seconds,
+                                               .landmarks = landmarks,
+                                               .landmarks_spoke = landmarks_speak,
+                                               .followed = followed});
+    filter_.set_metres_are_told(floor_.tells_metres(*newest_));
+    reckoning_.corrected(filter_);
+    return verdict == FloorReckoning::Verdict::kContradicted;
   }
 
   /// The features of the camera's previous picture that are found again in this one.
@@ -532,7 +567,7 @@ class VisualSlam::Implementation {
     book_.clear();
     observations_.clear();
     search_.clear();
-    floor_speed_ = FloorSpeed(options_.floor_speed, cameras_.size());
+    floor_ = FloorReckoning(options_.floor_speed, cameras_.size());
     for (CameraTracks& camera : cameras_) camera.tracks.clear();
     last_keyframe_.reset();
     judge_.clear();
@@ -545,7 +580,7 @@ class VisualSlam::Implementation {
   std::vector<CameraTracks> cameras_;  // fixed once built: filter and clocks keep pointers to the cameras
   CameraClocks clocks_;
   FeatureSupply features_;
-  FloorSpeed floor_speed_;
+  FloorReckoning floor_;
   LandmarkBook book_;
   MapSearch search_;
   bool localising_ = false;  // in a saved map, which stays as it is
