@@ -35,6 +35,8 @@ class EstimateJudge {
   /// what is seen (`tracks`) does not hang together with the map from before. Without wheels nothing contradicts.
   bool doubts(const Ekf& filter, const LandmarkBook& book, const std::vector<Track>& tracks, const UpdateReport& report,
               common::Nanoseconds stamp, std::vector<common::Event>& events);
+  /// See TrackingMonitor::asks_for_texture.
+  bool asks_for_texture(const ImageEvidence& evidence) const { return monitor_.asks_for_texture(evidence); }
   /// Takes what an image showed: whether the cameras still know where they are. Returns whether they have just been
   /// lost.
   bool judge(common::Nanoseconds stamp, const ImageEvidence& evidence, std::vector<common::Event>& events);

@@ -10,8 +10,12 @@ constexpr int kClearMajority = 2;  // so many times the features of a good image
 
 }  // namespace
 
+bool TrackingMonitor::asks_for_texture(const ImageEvidence& image) const {
+  return !contradicted_ && !is_good(image) && image.expected >= kClearMajority * options_.min_inliers;
+}
+
 common::TrackingState TrackingMonitor::update(common::Nanoseconds stamp, const ImageEvidence& image) {
-  const bool good = image.inliers >= options_.min_inliers;
+  const bool good = is_good(image);
   if (!started_ || good) {
     started_ = true;
     last_good_ = stamp;
@@ -19,7 +23,7 @@ common::TrackingState TrackingMonitor::update(common::Nanoseconds stamp, const I
   if (good) {
     confirmed_ = true;
     contradicted_ = false;
-  } else if (image.textured && image.expected >= kClearMajority * options_.min_inliers) {
+  } else if (asks_for_texture(image) && image.textured) {
     contradicted_ = true;
   }
   const double blind = common::to_seconds(stamp - last_good_);

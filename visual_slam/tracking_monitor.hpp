@@ -25,6 +25,8 @@ class TrackingMonitor {
  public:
   explicit TrackingMonitor(const TrackingOptions& options) : options_(options) {}
 
+  /// Whether the state after an image depends on its being textured, which is dear to find out.
+  bool asks_for_texture(const ImageEvidence& image) const;
   /// Takes what the next image showed and says the state after it.
   common::TrackingState update(common::Nanoseconds stamp, const ImageEvidence& image);
   /// Whether what is seen may be entered into the map at the estimated pose.
@@ -36,6 +38,8 @@ class TrackingMonitor {
   common::TrackingState state() const { return state_; }
 
  private:
+  bool is_good(const ImageEvidence& image) const { return image.inliers >= options_.min_inliers; }
+
   TrackingOptions options_;
   bool started_ = false;
   bool confirmed_ = true;

@@ -263,7 +263,7 @@ class VisualSlam::Implementation {
       if (!search_.pose_is_doubted()) keep_pose(image.stamp);
     }
     evidence.inliers = report.inliers;
-    evidence.textured = exposed && has_texture(seeing, evidence.inliers);
+    evidence.textured = exposed && judge_.asks_for_texture(evidence) && has_texture(seeing);
     evidence.doubted = judge_.doubts(filter_, book_, seeing.tracks, report, *newest_, events);
     judge(evidence, events);
     if (exposed) {
@@ -397,9 +397,9 @@ class VisualSlam::Implementation {
   }
 
   /// Whether the image shows enough that could be followed.
-  bool has_texture(const CameraTracks& seeing, int inliers) {
+  bool has_texture(const CameraTracks& seeing) {
     const int enough = options_.tracking.min_inliers;
-    return inliers >= enough || static_cast<int>(features_.any(index_of(seeing), enough).size()) >= enough;
+    return static_cast<int>(features_.any(index_of(seeing), enough).size()) >= enough;
   }
 
   void judge(const ImageEvidence& evidence, std::vector<common::Event>& events) {

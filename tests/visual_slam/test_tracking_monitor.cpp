@@ -43,6 +43,17 @@ TEST(TrackingMonitor, SeeingSomethingElseIsUncertainAtOnceSoonLostAndStopsTheMap
   EXPECT_TRUE(monitor.map_may_grow());
 }
 
+TEST(TrackingMonitor, AsksForTextureOnlyWhereItDecides) {
+  TrackingMonitor monitor({});
+  monitor.update(0, kGood);
+
+  EXPECT_FALSE(monitor.asks_for_texture(kGood));
+  EXPECT_FALSE(monitor.asks_for_texture({15, 0, false})) << "nothing much was expected";
+  EXPECT_TRUE(monitor.asks_for_texture(kDark));
+  monitor.update(kSecond / 5, kElsewhere);
+  EXPECT_FALSE(monitor.asks_for_texture(kDark)) << "contradicted already";
+}
+
 TEST(TrackingMonitor, APoseFromOutsideIsUncertainUntilTheMapIsSeen) {
   TrackingMonitor monitor({});
   monitor.update(0, kGood);
