@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include <opencv2/core.hpp>
 
 #include "visual_slam/descriptor.hpp"
+#include "visual_slam/view_cone.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -15,6 +17,10 @@ namespace {
 // Landmarks that were archived share errors beyond that of their keyframe (of depth, above all) that are no longer
 // known. Taken for independent they would say too much together, so each counts for less.
 constexpr double kSharedError = 4.0;  // times the covariance
+
+ViewCone view_cone(const Ekf& filter, const Camera& camera) {
+  return {camera, filter.camera_centre(camera), filter.spatial_pose().rotation * camera.R_base_camera.col(2)};
+}
 
 }  // namespace
 
@@ -27,6 +33,7 @@ std::optional<Eigen::Vector2d> predict_pixel(const Ekf& filter, const Camera& ca
 
 void LandmarkBook::clear() {
   records_.clear();
+  fixed_.clear();
   recogniser_.clear();
   archive_.clear();
 }
@@ -63,7 +70,9 @@ void LandmarkBook::restore(const common::Landmark& landmark) {
   record.object = landmark.object;
   records_.insert_or_assign(landmark.id, std::move(record));
   recogniser_.restore(landmark.id, landmark.views);
+  fixed_.push_back({landmark.id, landmark.position});
   next_ = std::max(next_, landmark.id + 1);
+  first_own_ = next_;
 }
 
 void LandmarkBook::fail(LandmarkId landmark) {
@@ -87,16 +96,21 @@ std::vector<Track> LandmarkBook::recognise(const Ekf& filter, const Camera& came
   std::vector<Track> recognised;
   if (!options_.recognition.enabled) return recognised;
   std::vector<RecognitionCandidate> candidates;
-  for (const auto& [id, record] : records_) {
-    if (followed.contains(id) || !recogniser_.knows(id)) continue;
+  const auto consider = [&](LandmarkId id) {
+    if (followed.contains(id) || !recogniser_.knows(id)) return;
     const std::optional<MapPoint> point = filter.map_point(id);
-    if (!point) continue;
+    if (!point) return;
     if (std::optional<RecognitionCandidate> one = candidate(filter, camera, twist, id, *point)) {
       candidates.push_back(*one);
     }
+  };
+  const ViewCone cone = view_cone(filter, camera);
+  for (const Place& place : fixed_) {
+    if (cone.may_show(place.position)) consider(place.landmark);
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [this](const auto& a, const auto& b) { return records_.at(a.id).found > records_.at(b.id).found; });
+  for (auto own = first_own(); own != records_.end(); ++own) consider(own->first);
+  std::ranges::sort(candidates, {},
+                    [this](const RecognitionCandidate& one) { return std::pair(-records_.at(one.id).found, one.id); });
   const std::size_t limit = static_cast<std::size_t>(options_.recognition.candidates_per_image);
   if (candidates.size() > limit) candidates.resize(limit);
   for (const RecognitionCandidate& one : candidates) {
@@ -118,7 +132,9 @@ std::vector<Track> LandmarkBook::recall(Ekf& filter, const Camera& camera, const
     int observations;
   };
   std::vector<Known> candidates;
+  const ViewCone cone = view_cone(filter, camera);
   for (const common::Landmark& landmark : archive_.landmarks(filter)) {
+    if (!cone.may_show(landmark.position)) continue;
     const MapPoint point{landmark.position, landmark.covariance};
     if (std::optional<RecognitionCandidate> one = candidate(filter, camera, twist, landmark.id, point)) {
       candidates.push_back({*one, landmark.observations});
@@ -198,7 +214,8 @@ void LandmarkBook::learn_looks(const Ekf& filter, const Camera& camera, const cv
 
 std::vector<LandmarkId> LandmarkBook::failing() const {
   std::vector<LandmarkId> failing;
-  for (const auto& [id, record] : records_) {
+  for (auto own = first_own(); own != records_.end(); ++own) {
+    const auto& [id, record] = *own;
     if (record.failed > record.found + options_.map.max_failures) failing.push_back(id);
   }
   return failing;

@@ -31,7 +31,8 @@ class LandmarkBook {
 
   /// A landmark was seen the first time, at a pixel of a picture, maybe on a known object. Returns its number.
   LandmarkId enter(const cv::Mat& picture, const Eigen::Vector2d& pixel, common::Nanoseconds stamp, std::string object);
-  /// A landmark of a saved map. It is never dropped, and nothing that is known of it changes.
+  /// A landmark of a saved map. It is never dropped, and nothing that is known of it changes. To be told before any
+  /// other landmark.
   void restore(const common::Landmark& landmark);
   void forget(LandmarkId landmark);
   /// A measurement of the landmark was accepted. Returns how long it had not been seen [s].
@@ -78,6 +79,13 @@ class LandmarkBook {
     std::string object = {};
   };
 
+  struct Place {
+    LandmarkId landmark = 0;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  };
+
+  /// The first of the landmarks that are not of a saved map.
+  std::map<LandmarkId, Record>::const_iterator first_own() const { return records_.lower_bound(first_own_); }
   std::optional<common::Landmark> landmark(const Ekf& filter, LandmarkId id, const Record& record) const;
   std::optional<RecognitionCandidate> candidate(const Ekf& filter, const Camera& camera, const BodyTwist& twist,
                                                 LandmarkId landmark, const MapPoint& point) const;
@@ -86,6 +94,8 @@ class LandmarkBook {
   LandmarkRecogniser recogniser_;
   LandmarkArchive archive_;
   std::map<LandmarkId, Record> records_;
+  std::vector<Place> fixed_;  // of the saved map, which is large: what is asked of all of it must be cheap
+  LandmarkId first_own_ = 1;  // those of the saved map have smaller numbers
   LandmarkId next_ = 1;
 };
 
