@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -169,6 +170,7 @@ ImageClock::Small ImageClock::shrunk(const cv::Mat& picture) {
 
 std::optional<double> ImageClock::turn_to(const cv::Mat& after, double distance) {
   constexpr int kFeatures = 80;
+  constexpr std::size_t kSearched = 40;  // the strongest tell the turn well enough to start from
   constexpr std::size_t kFewest = 15;
   constexpr double kApart = 15.0;    // [px]
   constexpr double kQuality = 0.01;  // of the best corner
@@ -186,7 +188,7 @@ std::optional<double> ImageClock::turn_to(const cv::Mat& after, double distance)
   std::vector<ExpectedFeature> unmoved;
   unmoved.reserve(corners.size());
   for (const cv::Point2f& corner : corners) unmoved.push_back({0, pixel_at(corner), pixel_at(corner)});
-  const double about = search_.find(0, camera_, after, unmoved);
+  const double about = search_.find(0, camera_, after, std::span(unmoved).first(std::min(unmoved.size(), kSearched)));
   if (corners.size() < kFewest) return std::nullopt;
   std::vector<cv::Point2f> found;
   for (const ExpectedFeature& feature : unmoved) {
