@@ -2,73 +2,44 @@
 #include "visual_slam/floor_speed.hpp"
 
 #include <cmath>
-#include <functional>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "common/angle.hpp"
 #include "common/pose2.hpp"
+#include "visual_slam/feature_simulation.hpp"
+#include "visual_slam/floor_scene.hpp"
 #include "visual_slam/synthetic_world.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
 
 using common::Pose2;
+using testing::FloorScene;
 
 constexpr double kSeconds = 0.2;
 constexpr double kHeading = 0.3;  // [rad] in which the scene is driven through
 constexpr common::Nanoseconds kStart = 1'700'000'000'000'000'000;
 constexpr common::Nanoseconds kFrame = 200'000'000;
 
-// Blots some centimetres wide, everywhere different.
-double texture(double x, double y) {
-  double value = 0.0;
-  for (int wave = 0; wave < 10; ++wave) {
-    const double direction = 2.4 * wave;
-    const double number = 25.0 + 7.3 * wave;  // [rad/m]
-    value += std::sin(number * (x * std::cos(direction) + y * std::sin(direction)) + 1.7 * wave * wave);
-  }
-  return 120.0 + 22.0 * value;
-}
+using Points = std::vector<Eigen::Vector3d>;
 
-// A plain with a wall across x = `wall`.
-class Scene {
- public:
-  std::function<double(double, double)> floor = texture;
-  double wall = 1e9;
-
-  cv::Mat picture(const Camera& camera, const Pose2& robot) const {
-    cv::Mat image(camera.calibration.height, camera.calibration.width, CV_8UC1);
-    for (int row = 0; row < image.rows; ++row) {
-      for (int column = 0; column < image.cols; ++column) {
-        const Eigen::Vector3d ray = camera.R_base_camera * camera.calibration.undistort({column, row}).homogeneous();
-        image.at<unsigned char>(row, column) = cv::saturate_cast<unsigned char>(colour(camera, robot, ray));
-      }
-    }
-    return image;
-  }
-
- private:
-  double colour(const Camera& camera, const Pose2& robot, const Eigen::Vector3d& ray) const {
-    const Eigen::Vector2d centre = robot * Eigen::Vector2d(camera.t_base_camera.head<2>());
-    const Eigen::Vector2d along = Eigen::Rotation2Dd(robot.theta) * ray.head<2>();
-    const double to_floor = ray.z() < 0.0 ? -camera.t_base_camera.z() / ray.z() : 1e9;
-    const double to_wall = along.x() > 0.0 ? (wall - centre.x()) / along.x() : 1e9;
-    const double way = std::min(to_floor, to_wall);
-    if (way > 30.0) return 128.0;
-    const Eigen::Vector2d at = centre + way * along;
-    return to_floor < to_wall ? floor(at.x(), at.y()) : texture(at.y(), camera.t_base_camera.z() + way * ray.z());
-  }
-};
-
-std::optional<FloorSpeed::Reading> read(const Scene& scene, const Camera& camera, double way, double turn,
-                                        FloorSpeedOptions options = {}) {
+/// What is read from two pictures between which the robot drives this way and turns so far.
+std::optional<FloorSpeed::Reading> read(const FloorScene& scene, const Camera& camera, double way, double turn,
+                                        const TurnByWay& known_turn, const Points& standing = {},
+                                        const FloorSpeedOptions& options = {}) {
   FloorSpeed speed(options, 1);
   const Pose2 before{1.0, -2.0, kHeading};
-  EXPECT_FALSE(speed.read(0, camera, scene.picture(camera, before), kStart)) << "there is nothing to compare with";
-  speed.moved(kSeconds, way / kSeconds, turn / kSeconds);
-  return speed.read(0, camera, scene.picture(camera, before * common::exp_se2({way, 0.0, turn})), kStart + kFrame);
+  EXPECT_FALSE(speed.read(0, camera, scene.picture(camera, before), kStart, {})) << "there is nothing to compare with";
+  speed.moved(kSeconds, way / kSeconds, known_turn);
+  const cv::Mat picture = scene.picture(camera, before * common::exp_se2({way, 0.0, turn}));
+  return speed.read(0, camera, picture, kStart + kFrame, standing);
+}
+
+std::optional<FloorSpeed::Reading> read(const FloorScene& scene, const Camera& camera, double way, double turn) {
+  return read(scene, camera, way, turn, TurnByWay(turn));
 }
 
 TEST(FloorSpeed, ReadsTheWayAheadAndBackAndInTurns) {
@@ -85,12 +56,13 @@ TEST(FloorSpeed, ReadsTheWayAheadAndBackAndInTurns) {
 
 TEST(FloorSpeed, TheTurnMayComeInParts) {
   const Camera camera = testing::make_camera("cam0", 0.9);
-  const Scene scene;
+  const FloorScene scene;
   FloorSpeed speed({}, 2);
-  speed.read(0, camera, scene.picture(camera, {}), kStart);
-  speed.moved(kSeconds / 2.0, 0.5, 0.6);
-  speed.moved(kSeconds / 2.0, 0.5, 0.4);
-  const auto reading = speed.read(0, camera, scene.picture(camera, common::exp_se2({0.1, 0.0, 0.1})), kStart + kFrame);
+  speed.read(0, camera, scene.picture(camera, {}), kStart, {});
+  speed.moved(kSeconds / 2.0, 0.5, TurnByWay(0.06));
+  speed.moved(kSeconds / 2.0, 0.5, TurnByWay(0.04));
+  const auto reading =
+      speed.read(0, camera, scene.picture(camera, common::exp_se2({0.1, 0.0, 0.1})), kStart + kFrame, {});
   ASSERT_TRUE(reading);
   EXPECT_NEAR(reading->speed * kSeconds, 0.1, 0.003);
 }
@@ -98,26 +70,26 @@ TEST(FloorSpeed, TheTurnMayComeInParts) {
 // At 30 Hz several steps lie between the pictures that are compared, and what is told is the speed of the last.
 TEST(FloorSpeed, TellsTheSpeedOfTheLastStep) {
   const Camera camera = testing::make_camera("cam0", 0.0);
-  const Scene scene;
+  const FloorScene scene;
   FloorSpeed speed({}, 1);
-  speed.read(0, camera, scene.picture(camera, {}), kStart);
-  speed.moved(kSeconds / 2.0, 0.3, 0.0);
-  EXPECT_FALSE(speed.read(0, camera, scene.picture(camera, {0.03, 0.0, 0.0}), kStart + kFrame / 4));
-  speed.moved(kSeconds / 2.0, 0.5, 0.0);
-  const auto reading = speed.read(0, camera, scene.picture(camera, {0.08, 0.0, 0.0}), kStart + kFrame);
+  speed.read(0, camera, scene.picture(camera, {}), kStart, {});
+  speed.moved(kSeconds / 2.0, 0.3, TurnByWay(0.0));
+  EXPECT_FALSE(speed.read(0, camera, scene.picture(camera, {0.03, 0.0, 0.0}), kStart + kFrame / 4, {}));
+  speed.moved(kSeconds / 2.0, 0.5, TurnByWay(0.0));
+  const auto reading = speed.read(0, camera, scene.picture(camera, {0.08, 0.0, 0.0}), kStart + kFrame, {});
   ASSERT_TRUE(reading);
   EXPECT_NEAR(reading->speed, 0.5, 0.015);
 }
 
 TEST(FloorSpeed, AFloorWithoutTextureTellsNothing) {
-  Scene scene;
+  FloorScene scene;
   scene.floor = [](double, double) { return 120.0; };
   EXPECT_FALSE(read(scene, testing::make_camera("cam0", 0.0), 0.1, 0.0));
 }
 
 // Which way a striped floor moves along its stripes nobody can tell.
 TEST(FloorSpeed, StripesAlongTheWayTellNothing) {
-  Scene scene;
+  FloorScene scene;
   scene.floor = [](double x, double y) {
     return 120.0 + 80.0 * std::sin(60.0 * (y * std::cos(kHeading) - x * std::sin(kHeading)));
   };
@@ -126,7 +98,7 @@ TEST(FloorSpeed, StripesAlongTheWayTellNothing) {
 
 // Tiles look the same after a whole tile.
 TEST(FloorSpeed, APatternThatRepeatsAlongTheWayTellsNothing) {
-  Scene scene;
+  FloorScene scene;
   scene.floor = [](double x, double y) {
     const double along = x * std::cos(kHeading) + y * std::sin(kHeading);
     const double across = y * std::cos(kHeading) - x * std::sin(kHeading);
@@ -138,7 +110,7 @@ TEST(FloorSpeed, APatternThatRepeatsAlongTheWayTellsNothing) {
 TEST(FloorSpeed, AWallIsNoFloor) {
   int readings = 0;
   for (const double distance : {1.6, 2.2, 3.0}) {
-    Scene scene;
+    FloorScene scene;
     scene.wall = 1.0 + distance;
     const auto reading = read(scene, testing::make_camera("cam0", 0.0), 0.1, 0.0);
     if (!reading) continue;
@@ -150,46 +122,103 @@ TEST(FloorSpeed, AWallIsNoFloor) {
 
 TEST(FloorSpeed, PicturesTooNearOrTooFarApartAreNotCompared) {
   const Camera camera = testing::make_camera("cam0", 0.0);
-  const Scene scene;
+  const FloorScene scene;
   const cv::Mat first = scene.picture(camera, {});
   const cv::Mat second = scene.picture(camera, {0.05, 0.0, 0.0});
   FloorSpeed speed({}, 1);
-  speed.read(0, camera, first, kStart);
-  EXPECT_FALSE(speed.read(0, camera, second, kStart + kFrame / 4)) << "less than a tenth of a second";
-  const auto reading = speed.read(0, camera, second, kStart + kFrame);
+  speed.read(0, camera, first, kStart, {});
+  EXPECT_FALSE(speed.read(0, camera, second, kStart + kFrame / 4, {})) << "less than a tenth of a second";
+  const auto reading = speed.read(0, camera, second, kStart + kFrame, {});
   ASSERT_TRUE(reading) << "the first picture is still the one to compare with";
   EXPECT_NEAR(reading->speed * kSeconds, 0.05, 0.003);
-  EXPECT_FALSE(speed.read(0, camera, first, kStart + 10 * kFrame)) << "after a gap";
-  EXPECT_FALSE(speed.read(0, camera, first, kStart)) << "of another time";
-  EXPECT_TRUE(speed.read(0, camera, second, kStart + kFrame)) << "which goes on";
-}
-
-// What is told need not be the floor's: a bed lower than the camera tells more than the truth, and for a while.
-TEST(FloorSpeed, ASpeedTheRobotCannotHaveGotToIsNotTold) {
-  const Camera camera = testing::make_camera("cam0", 0.0);
-  const Scene scene;
-  FloorSpeed speed({}, 1);
-  common::Nanoseconds stamp = kStart;
-  double x = 0.0;
-  const auto drive = [&](double way) {
-    x += way;
-    stamp += kFrame;
-    return speed.read(0, camera, scene.picture(camera, {x, 0.0, 0.0}), stamp);
-  };
-  drive(0.0);
-  EXPECT_TRUE(drive(0.06));
-  EXPECT_TRUE(drive(0.09)) << "by 0.15 m/s in a fifth of a second";
-  for (int i = 0; i < 5; ++i) EXPECT_FALSE(drive(0.22)) << "by 0.65 m/s";
-  EXPECT_TRUE(drive(0.09));
+  EXPECT_FALSE(speed.read(0, camera, first, kStart + 10 * kFrame, {})) << "after a gap";
+  EXPECT_FALSE(speed.read(0, camera, first, kStart, {})) << "of another time";
+  EXPECT_TRUE(speed.read(0, camera, second, kStart + kFrame, {})) << "which goes on";
 }
 
 TEST(FloorSpeed, ReadsNothingWhenSwitchedOffOrWithTheCameraOnTheFloor) {
   FloorSpeedOptions off;
   off.enabled = false;
-  EXPECT_FALSE(read({}, testing::make_camera("cam0", 0.0), 0.1, 0.0, off));
+  EXPECT_FALSE(read({}, testing::make_camera("cam0", 0.0), 0.1, 0.0, TurnByWay(0.0), {}, off));
   Camera low = testing::make_camera("cam0", 0.0);
   low.t_base_camera.z() = 0.0;
-  EXPECT_FALSE(FloorSpeed({}, 1).read(0, low, cv::Mat(480, 640, CV_8UC1, cv::Scalar(100)), kStart));
+  EXPECT_FALSE(FloorSpeed({}, 1).read(0, low, cv::Mat(480, 640, CV_8UC1, cv::Scalar(100)), kStart, {}));
+}
+
+// Of features followed it is known how far the robot has turned if it has driven this or that way.
+TEST(FloorSpeed, TheTurnMayHangOnTheWay) {
+  const Camera camera = testing::make_camera("cam0", 0.9);
+  const testing::EvenDrive drive{.seconds = kSeconds, .way = 0.15, .turn = 0.12};
+  testing::Noise noise(1);
+  const TurnByWay turn(camera, testing::follow(camera, drive, 60, noise), {kSeconds, 0.0}, -0.05, 0.25, 0.0);
+  const auto reading = read({}, camera, drive.way, drive.turn, turn);
+  ASSERT_TRUE(reading);
+  EXPECT_NEAR(reading->speed * kSeconds, drive.way, 0.004);
+  const auto ignorant = read({}, camera, drive.way, drive.turn, TurnByWay(0.0));
+  EXPECT_TRUE(!ignorant || std::abs(ignorant->speed * kSeconds - drive.way) > 0.02) << "it takes the turn";
+}
+
+// Points in all the directions a camera looks in, so far before its optical centre.
+Points row_of_points(const Camera& camera, double yaw, double distance, double height) {
+  Points points;
+  for (double direction = -0.8; direction <= 0.8; direction += 0.1) {
+    const Eigen::Vector2d along(std::cos(yaw + direction), std::sin(yaw + direction));
+    const Eigen::Vector2d at = camera.t_base_camera.head<2>() + distance * along;
+    points.emplace_back(at.x(), at.y(), height);
+  }
+  return points;
+}
+
+Points together(Points points, const Points& others) {
+  points.insert(points.end(), others.begin(), others.end());
+  return points;
+}
+
+/// A board from 0 to 0.75 m high, nearer than any floor in the picture.
+Points board(const Camera& camera, double yaw) {
+  Points points;
+  for (const double height : {0.15, 0.35, 0.55, 0.75}) {
+    points = together(points, row_of_points(camera, yaw, 1.4, height));
+  }
+  return points;
+}
+
+TEST(FloorSpeed, WhatStandsBeforeTheFloorHidesIt) {
+  const Camera camera = testing::make_camera("cam0", 0.0);
+  EXPECT_FALSE(read({}, camera, 0.1, 0.0, TurnByWay(0.0), board(camera, 0.0)));
+}
+
+TEST(FloorSpeed, WhatStandsElsewhereHidesNoFloor) {
+  const Camera camera = testing::make_camera("cam0", 0.0);
+  const auto bare = read({}, camera, 0.1, 0.0);
+  ASSERT_TRUE(bare);
+  // The line of sight to the farthest floor looked at is 0.53 m high where the table is.
+  const std::pair<const char*, Points> cases[] = {
+      {"beside and behind", board(camera, 3.14)},
+      {"a table is looked under", row_of_points(camera, 0.0, 1.4, 0.8)},
+      {"farther than the floor seen", row_of_points(camera, 0.0, 6.0, 0.1)},
+      {"on the floor's own place, below the line of sight", row_of_points(camera, 0.0, 1.4, 0.0)},
+  };
+  for (const auto& [name, standing] : cases) {
+    const auto reading = read({}, camera, 0.1, 0.0, TurnByWay(0.0), standing);
+    ASSERT_TRUE(reading) << name;
+    EXPECT_NEAR(reading->speed, bare->speed, 1e-12) << name;
+  }
+}
+
+// A bed looks as the floor does, but nearer: the way seems longer by h / (h - z).
+TEST(FloorSpeed, ABedTellsTooLongAWayUnlessItIsKnownToStandThere) {
+  const Camera camera = testing::make_camera("cam0", 0.0);
+  FloorScene bed;
+  bed.height = 0.3;
+  const auto fooled = read(bed, camera, 0.1, 0.0);
+  ASSERT_TRUE(fooled);
+  EXPECT_NEAR(fooled->speed * kSeconds, 0.1 * 0.7 / 0.4, 0.01);
+  Points on_it;
+  for (double distance = 0.9; distance < 4.0; distance += 0.15) {
+    on_it = together(on_it, row_of_points(camera, 0.0, distance, bed.height));
+  }
+  EXPECT_FALSE(read(bed, camera, 0.1, 0.0, TurnByWay(0.0), on_it));
 }
 
 }  // namespace
