@@ -6,7 +6,6 @@
 namespace slamfuse::visual_slam {
 namespace {
 
-constexpr double kBackward = 0.2;        // of the largest speed
 constexpr double kSharpTurn = 0.08;      // [rad] tells one way from another by the features followed ...
 constexpr double kLeastLikelihood = -3;  // ... which must not contradict the floor's (logarithm)
 // Things whose middle is higher than this share of the camera's height stand on the floor, also in a map whose scale is
@@ -44,8 +43,8 @@ void FloorReckoning::age(Ekf& filter, std::span<const LandmarkId> landmarks, dou
 TurnByWay FloorReckoning::turn(const Ekf& filter, const FloorView& view) const {
   const double believed = view.seconds * filter.twist()->angular.z();
   if (view.landmarks_spoke) return TurnByWay(believed);
-  const double most = options_.max_speed * view.seconds;
-  return {view.camera, view.followed, {view.seconds, turn_rate_}, -kBackward * most, most, believed};
+  const WayRange ways = speed_.possible_ways(view.seconds);
+  return {view.camera, view.followed, {view.seconds, turn_rate_}, ways.least, ways.most, believed};
 }
 
 FloorReckoning::Verdict FloorReckoning::read(Ekf& filter, const FloorView& view) {

@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/pose2.hpp"
-#include "visual_slam/way_votes.hpp"
 
 namespace slamfuse::visual_slam {
 namespace {
@@ -55,8 +54,7 @@ double cut(const cv::Mat& picture, const Eigen::Vector2d& centre, cv::Mat& patch
 /// The ways that are tried, and where base_link was if it has driven them.
 struct Ways {
   template <class TurnOfWay>
-  Ways(double largest_speed, double seconds, const TurnOfWay& turn)
-      : range{-kBackward * largest_speed * seconds, largest_speed * seconds} {
+  Ways(const WayRange& possible, const TurnOfWay& turn) : range(possible) {
     const double width = range.most - range.least;
     const int steps = std::clamp(static_cast<int>(width / kStep), 8, kMostSteps);
     step = width / steps;
@@ -136,6 +134,10 @@ std::optional<WayVote> vote(const Camera& camera, const cv::Mat& now, const cv::
 
 }  // namespace
 
+WayRange FloorSpeed::possible_ways(double seconds) const {
+  return {-kBackward * options_.max_speed * seconds, options_.max_speed * seconds};
+}
+
 double FloorSpeed::Reference::turn(double way_driven) const {
   double seconds = 0.0;
   for (const Step& step : steps) seconds += step.seconds;
@@ -173,7 +175,7 @@ std::optional<FloorSpeed::Reading> FloorSpeed::read(std::size_t index, const Cam
 
 std::optional<double> FloorSpeed::way(const Camera& camera, const cv::Mat& now, const Reference& before, double seconds,
                                       std::span<const Eigen::Vector3d> standing) const {
-  const Ways ways(options_.max_speed, seconds, [&before](double driven) { return before.turn(driven); });
+  const Ways ways(possible_ways(seconds), [&before](double driven) { return before.turn(driven); });
   std::vector<WayVote> votes;
   for (int row = kRowStep; row < now.rows; row += kRowStep) {
     for (int column = kColumnStep / 2; column < now.cols; column += kColumnStep) {

@@ -13,6 +13,7 @@
 #include "visual_slam/camera.hpp"
 #include "visual_slam/options.hpp"
 #include "visual_slam/turn_by_way.hpp"
+#include "visual_slam/way_votes.hpp"
 
 namespace slamfuse::visual_slam {
 
@@ -36,6 +37,8 @@ class FloorSpeed {
 
   FloorSpeed(const FloorSpeedOptions& options, std::size_t cameras) : options_(options), references_(cameras) {}
 
+  /// The ways [m] that are looked for in so many seconds.
+  WayRange possible_ways(double seconds) const;
   /// The last step of base_link, as far as it is known without the floor: it took so many seconds, at this speed
   /// forward [m/s], with this turn.
   void moved(double seconds, double speed, const TurnByWay& turn);

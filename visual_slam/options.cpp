@@ -14,7 +14,8 @@ void ConstantVelocityOptions::describe(OptionVisitor& visit) {
   visit.real("turn_rate_noise", turn_rate_noise, {0.0, 2000.0}, "deg/s/sqrt(s)", "How fast the turn rate changes.");
   visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "1/sqrt(1)", "How far the robot slips sideways.");
   visit.real("lever_scale_sigma", lever_scale_sigma, {0.0, 2.0}, "",
-             "Logarithm of how far the map's unit may be from a metre; turns tell, through the camera's lever arm.");
+             "Logarithm of how far the map's unit may be from a metre; turns tell, through the camera's lever arm. With "
+             "one camera and floor_speed.enabled it is 0.");
   visit.real("unit_sigma", unit_sigma, {0.0, 0.5}, "",
              "Uncertainty of the map's unit that all lengths share and no measurement may reduce.");
 }

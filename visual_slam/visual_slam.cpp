@@ -270,7 +270,7 @@ class VisualSlam::Implementation {
       search_map(seeing, picture);
       close_loop(seeing, picture, events);
     }
-    if (contradicted) {
+    if (contradicted && !localising_) {
       drop(numbers_in_order(seeing.tracks));
       events.push_back(event("scale_contradicted",
                              "the floor says another speed than what is mapped here, which is "
