@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/angle.hpp"
 #include "common/trajectory_evaluation.hpp"
 #include "visual_slam/ekf.hpp"
 #include "visual_slam/synthetic_world.hpp"
@@ -76,6 +77,24 @@ TEST(ConstantVelocity, WheelsNeedNobodyToTellTheSpeed) {
   filter.predict({kSeconds, {0.1, 0.0, 0.0}});
   EXPECT_FALSE(filter.correct_speed(0.2, 0.01));
   EXPECT_NEAR(filter.pose().x, 0.1, 1e-9);
+}
+
+TEST(ConstantVelocity, ASpeedThatIsToldIsHeldToLess) {
+  ConstantVelocityOptions options;
+  options.initial_speed_sigma = 0.0;
+  options.initial_turn_rate_sigma = 0.0;
+  const ConstantVelocity model(options);
+  for (const bool told : {false, true}) {
+    State state;
+    const BlockId robot = model.append_robot(state);
+    const BlockId numbers = model.append_parameters(state);
+    ASSERT_TRUE(model.predict(state, robot, numbers, {.seconds = kSeconds, .odometry = {}, .speed_is_told = told}));
+    const double noise = told ? options.told_speed_noise : options.speed_noise;
+    EXPECT_NEAR(state.covariance(numbers, numbers)(1, 1), noise * noise * kSeconds, 1e-12) << told;
+    const double turn_noise = common::to_radians(options.turn_rate_noise);
+    EXPECT_NEAR(state.covariance(numbers, numbers)(2, 2), turn_noise * turn_noise * kSeconds, 1e-12) << told;
+  }
+  EXPECT_GT(options.told_speed_noise, options.speed_noise);
 }
 
 TEST(ConstantVelocity, NoTimeChangesNothing) {

@@ -75,6 +75,22 @@ TEST_F(StateTest, SubtractingAnOuterProductMatchesTheDenseFormula) {
   EXPECT_LT((state_.covariance() - expected).norm(), 1e-15);
 }
 
+TEST_F(StateTest, AnErrorInCommonIsSharedByTheNumbersItIsOf) {
+  const Eigen::MatrixXd before = state_.covariance();
+  const Eigen::VectorXd mean = state_.mean();
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(state_.size());
+  error[state_.offset(robot_)] = 0.2;
+  error[state_.offset(point_) + 1] = -0.3;
+
+  state_.add_error(error);
+
+  const Eigen::MatrixXd grown = Eigen::MatrixXd(state_.covariance()) - before;
+  EXPECT_NEAR(state_.covariance(robot_, robot_)(0, 0) - before(0, 0), 0.04, 1e-15);
+  EXPECT_NEAR(grown(state_.offset(point_) + 1, state_.offset(robot_)), -0.06, 1e-15);
+  EXPECT_LT((grown - error * error.transpose()).norm(), 1e-14) << "all others stay as they are";
+  EXPECT_EQ(state_.mean(), mean);
+}
+
 TEST_F(StateTest, CorrectingOneBlockAloneTeachesTheOthersNothing) {
   const Eigen::Vector3d robot_before = state_.mean(robot_);
   const Eigen::Matrix3d robot_covariance = state_.covariance(robot_, robot_);
