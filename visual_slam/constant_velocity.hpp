@@ -11,8 +11,9 @@ namespace slamfuse::visual_slam {
 /// Its numbers are (g, v, w, l). v is the speed in units of the map a second, w the turn rate [rad/s]. exp(l) is how
 /// many units of the map a metre is, needed for the lever arm from base_link to the camera: turning on the spot moves
 /// the camera by a known way, so l is observed in turns. The map's unit itself is a choice, made by the inverse depth
-/// the first landmarks start with. g, always next to 0, is an error of that choice, which all lengths share:
-/// State::correct keeps the filter from becoming certain of it.
+/// the first landmarks start with, unless the floor tells metres (FloorReckoning); then l is 0 and known. g, always
+/// next to 0, is an error of that choice, which all lengths share: State::correct keeps the filter from becoming
+/// certain of it.
 class ConstantVelocity : public MotionModel {
  public:
   explicit ConstantVelocity(const ConstantVelocityOptions& options) : options_(options) {}

@@ -123,7 +123,7 @@ bool Ekf::knows_depth(LandmarkId landmark) const {
   return entry.form != LandmarkForm::kWaiting && depth_is_known(entry);
 }
 
-/// For each measurement, whether its parallax may teach the robot. Without metres from the motion model somebody has to
+/// For each measurement, whether its parallax may teach the robot. Without metres somebody has to
 /// say how fast the robot moves, and while few depths are known that is the inverse depth landmarks start with.
 std::vector<bool> Ekf::which_depths_count(std::span<const Measurement> measurements,
                                           std::span<const std::size_t> accepted) const {
@@ -195,7 +195,7 @@ void Ekf::correct(const Camera& camera, std::span<const Measurement> measurement
   std::vector<std::size_t> accepted;
   for (const int i : consensus.accepted) accepted.push_back(used[static_cast<std::size_t>(i)]);
 
-  if (options_.scene_depth_sigma > 0.0 && is_metric()) {
+  if (options_.scene_depth_sigma > 0.0 && motion_->is_metric()) {
     std::vector<double> known = known_inverse_depths(camera, measurements, accepted);
     if (static_cast<int>(known.size()) >= options_.min_known_depths) {
       typical_inverse_depth_ = common::median(std::move(known));

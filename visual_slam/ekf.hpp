@@ -133,7 +133,8 @@ class Ekf {
   /// the correction would stop half-way.
   void correct_pose(const common::Pose2& measured, const Eigen::Matrix3d& covariance);
   /// The scale of what these landmarks and the speed say grows uncertain by `sigma`, a share of it: their places about
-  /// the robot and the speed get an error in common, which no bearing can see.
+  /// the robot and the speed get an error in common. Bearings
+  /// see it only as far as the camera is off base_link and off where inverse depths are anchored.
   void let_scale_drift(std::span<const LandmarkId> landmarks, double sigma);
   /// The speed alone grows uncertain by `sigma`, of its unit.
   void doubt_speed(double sigma);

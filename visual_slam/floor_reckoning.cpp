@@ -8,12 +8,12 @@ namespace {
 
 constexpr double kSharpTurn = 0.08;      // [rad] tells one way from another by the features followed ...
 constexpr double kLeastLikelihood = -3;  // ... which must not contradict the floor's (logarithm)
-// Things whose middle is higher than this share of the camera's height stand on the floor, also in a map whose scale is
-// off by a quarter.
+// What is higher than this share of the camera's height stands on the floor, also in a map that is a quarter too small.
 constexpr double kStandingHeight = 0.25;
 
 // How wrong the speed of a filter may be that the floor contradicts [m/s].
 constexpr double kDoubt = 0.3;
+constexpr int kFewestRefusals = 6;  // within floor_speed.patience, that contradict a map
 
 /// Where those landmarks are, in base_link, that are known to be above the floor.
 std::vector<Eigen::Vector3d> standing_points(const Ekf& filter, const FloorView& view) {
@@ -42,7 +42,8 @@ void FloorReckoning::age(Ekf& filter, std::span<const LandmarkId> landmarks, dou
 
 TurnByWay FloorReckoning::turn(const Ekf& filter, const FloorView& view) const {
   const double believed = view.seconds * filter.twist()->angular.z();
-  if (view.landmarks_spoke) return TurnByWay(believed);
+  // What was followed over images that showed nothing new says nothing of the last step.
+  if (view.landmarks_spoke || skipped_) return TurnByWay(believed);
   const WayRange ways = speed_.possible_ways(view.seconds);
   return {view.camera, view.followed, {view.seconds, turn_rate_}, ways.least, ways.most, believed};
 }
@@ -52,9 +53,11 @@ FloorReckoning::Verdict FloorReckoning::read(Ekf& filter, const FloorView& view)
   const double speed = metric_speed(filter);
   turn_rate_ = view.seconds > 0.0 ? turned(speed * view.seconds) / view.seconds : 0.0;
   speed_.moved(view.seconds, speed, turned);
+  skipped_ = false;
   if (view.picture.empty()) return Verdict::kSilent;
-  const auto reading =
-      speed_.read(view.camera_index, view.camera, view.picture, view.stamp, standing_points(filter, view));
+  // A map that is too small lifts the floor itself, so it must be in metres.
+  const auto standing = tells_metres(view.stamp) ? standing_points(filter, view) : std::vector<Eigen::Vector3d>();
+  const auto reading = speed_.read(view.camera_index, view.camera, view.picture, view.stamp, standing);
   if (!reading) return Verdict::kSilent;
   const double way = reading->speed * view.seconds;
   if (std::abs(turned(way)) > kSharpTurn && turned.log_likelihood(way) < kLeastLikelihood) return Verdict::kSilent;
@@ -70,18 +73,24 @@ FloorReckoning::Verdict FloorReckoning::judge(Ekf& filter, const FloorSpeed::Rea
     return Verdict::kBelieved;
   }
   const common::Nanoseconds patience = common::from_seconds(options_.patience);
-  if (!refusing_since_ || stamp - *refused_ > patience) refusing_since_ = stamp;
+  if (!refusing_since_ || stamp - *refused_ > patience) {
+    refusing_since_ = stamp;
+    refusals_ = 0;
+  }
   refused_ = stamp;
-  if (stamp - *refusing_since_ < patience) return Verdict::kRefused;
+  ++refusals_;
+  if (stamp - *refusing_since_ < patience || refusals_ < kFewestRefusals) return Verdict::kRefused;
   refusing_since_.reset();
   filter.doubt_speed(kDoubt);
-  if (filter.correct_speed(reading.speed, sigma)) believed_ = stamp;
+  if (!filter.correct_speed(reading.speed, sigma)) return Verdict::kRefused;
+  believed_ = stamp;
   return Verdict::kContradicted;
 }
 
 void FloorReckoning::skip(const Ekf& filter, double seconds) {
   const double rate = filter.twist()->angular.z();
   turn_rate_ = rate;
+  skipped_ = true;
   speed_.moved(seconds, metric_speed(filter), TurnByWay(rate * seconds));
 }
 

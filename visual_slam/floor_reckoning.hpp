@@ -35,6 +35,7 @@ struct FloorView {
 /// what learns its depth from a wrong speed and then teaches the speed never finds out. So the floor speaks after the
 /// landmarks of known depth and before the others learn theirs. From one image to the next the scale of what is seen is
 /// taken to drift a little, together with the speed, so that what the floor says corrects both (Ekf::let_scale_drift).
+/// It needs a map whose unit may be chosen: a map that was loaded has one of its own.
 /// Not in the seeds.
 class FloorReckoning {
  public:
@@ -42,12 +43,11 @@ class FloorReckoning {
     kSilent,       ///< the floor told nothing
     kBelieved,     ///< the filter was corrected
     kRefused,      ///< the filter knows better
-    kContradicted  ///< the filter has known better for too long: what is seen should be mapped anew
+    kContradicted  ///< the filter has known better for too long: corrected, and what is seen should be mapped anew
   };
 
   FloorReckoning(const FloorSpeedOptions& options, std::size_t cameras) : options_(options), speed_(options, cameras) {}
 
-  bool is_enabled() const { return options_.enabled; }
   /// Whether the floor told the speed lately, so that it is metres the filter counts in.
   bool tells_metres(common::Nanoseconds stamp) const;
   /// Lets the filter's idea of the scale age by the step to an image with these landmarks.
@@ -67,6 +67,8 @@ class FloorReckoning {
   std::optional<common::Nanoseconds> believed_;        // last
   std::optional<common::Nanoseconds> refused_;         // last ...
   std::optional<common::Nanoseconds> refusing_since_;  // ... and first of those in a row
+  int refusals_ = 0;                                   // in a row
+  bool skipped_ = false;                               // the last image
 };
 
 }  // namespace slamfuse::visual_slam

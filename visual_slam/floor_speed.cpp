@@ -134,13 +134,16 @@ std::optional<WayVote> vote(const Camera& camera, const cv::Mat& now, const cv::
 
 }  // namespace
 
+bool FloorSpeed::may_see_floor(const Camera& camera) {
+  const Eigen::Vector2d lowest(0.5 * camera.calibration.width, camera.calibration.height - 1.0);
+  return camera.t_base_camera.z() > 0.0 && floor_at(camera, lowest).has_value();
+}
+
 WayRange FloorSpeed::possible_ways(double seconds) const {
   return {-kBackward * options_.max_speed * seconds, options_.max_speed * seconds};
 }
 
 double FloorSpeed::Reference::turn(double way_driven) const {
-  double seconds = 0.0;
-  for (const Step& step : steps) seconds += step.seconds;
   double sum = 0.0;
   for (const Step& step : steps) sum += step.turn(way_driven * step.seconds / seconds);
   return sum;
@@ -152,6 +155,11 @@ void FloorSpeed::moved(double seconds, double speed, const TurnByWay& turn) {
   for (Reference& reference : references_) {
     if (reference.picture.empty()) continue;
     reference.steps.push_back({seconds, turn});
+    reference.seconds += seconds;
+    if (reference.seconds > kLongest) {
+      reference = {};  // too old to be compared with, and its steps would pile up in the dark
+      continue;
+    }
     reference.way += seconds * speed;
   }
 }
@@ -163,7 +171,8 @@ std::optional<FloorSpeed::Reading> FloorSpeed::read(std::size_t index, const Cam
   Reference& reference = references_[index];
   const double seconds = common::to_seconds(stamp - reference.stamp);
   if (!reference.picture.empty() && seconds >= 0.0 && seconds < kShortest) return std::nullopt;
-  Reference now{{}, stamp, {}, 0.0};
+  Reference now;
+  now.stamp = stamp;
   cv::GaussianBlur(picture, now.picture, {0, 0}, kBlur);
   const Reference before = std::exchange(reference, now);
   if (before.picture.empty() || seconds < 0.0 || seconds > kLongest) return std::nullopt;

@@ -37,6 +37,8 @@ class FloorSpeed {
 
   FloorSpeed(const FloorSpeedOptions& options, std::size_t cameras) : options_(options), references_(cameras) {}
 
+  /// Whether the floor, if there is any, is in a camera's picture, and the camera's height above it known.
+  static bool may_see_floor(const Camera& camera);
   /// The ways [m] that are looked for in so many seconds.
   WayRange possible_ways(double seconds) const;
   /// The last step of base_link, as far as it is known without the floor: it took so many seconds, at this speed
@@ -59,6 +61,7 @@ class FloorSpeed {
     cv::Mat picture;  // empty: none
     common::Nanoseconds stamp = 0;
     std::vector<Step> steps;  // since then
+    double seconds = 0.0;     // that they took
     double way = 0.0;         // [m]
 
     /// The turn since then if the robot has driven so far, evenly.

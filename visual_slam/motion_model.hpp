@@ -38,7 +38,8 @@ void predict_pose(State& state, BlockId robot, BlockId calibration, const common
 struct MotionStep {
   double seconds = 0.0;
   common::Pose2 odometry;  ///< what the wheel odometry says, for those that use it
-  /// Whether the speed is measured from outside, so that it need not be held to.
+  /// Whether the speed is measured from outside, so that it need not be held to; the filter says so to those that use
+  /// it (ConstantVelocity).
   bool speed_is_told = false;
 };
 

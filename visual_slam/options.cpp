@@ -13,9 +13,10 @@ void ConstantVelocityOptions::describe(OptionVisitor& visit) {
              "How fast the speed changes while the floor tells it in metres.");
   visit.real("turn_rate_noise", turn_rate_noise, {0.0, 2000.0}, "deg/s/sqrt(s)", "How fast the turn rate changes.");
   visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "1/sqrt(1)", "How far the robot slips sideways.");
-  visit.real("lever_scale_sigma", lever_scale_sigma, {0.0, 2.0}, "",
-             "Logarithm of how far the map's unit may be from a metre; turns tell, through the camera's lever arm. With "
-             "one camera and floor_speed.enabled it is 0.");
+  visit.real(
+      "lever_scale_sigma", lever_scale_sigma, {0.0, 2.0}, "",
+      "Logarithm of how far the map's unit may be from a metre; turns tell, through the camera's lever arm. With "
+      "one camera and floor_speed.enabled it is 0.");
   visit.real("unit_sigma", unit_sigma, {0.0, 0.5}, "",
              "Uncertainty of the map's unit that all lengths share and no measurement may reduce.");
 }
@@ -43,11 +44,13 @@ void FloorSpeedOptions::describe(OptionVisitor& visit) {
              "Whether motion.model constant_velocity with one camera reads its speed from the floor, in metres.");
   visit.real("max_speed", max_speed, {0.05, 2.5}, "m/s", "Largest speed that is looked for; backward a fifth of it.");
   visit.real("way_sigma", way_sigma, {0.0005, 0.1}, "m", "Standard deviation of the way between two pictures.");
-  visit.integer("least_patches", least_patches, {1, 1000}, "", "Patches of floor that must tell a way.");
+  visit.integer("least_patches", least_patches, {1, 1000}, "",
+                "Patches of floor that must tell a way. Fewer than 14 are never sure of it.");
   visit.real("scale_drift", scale_drift, {0.0, 1.0}, "1/sqrt(s)",
              "How the scale of what is seen drifts, as a standard deviation, while the floor tells metres.");
   visit.real("memory", memory, {0.0, 3600.0}, "s",
-             "The map is in metres for so long after the floor was believed; then the landmarks say how fast the robot "
+             "The map is in metres for so long after the floor was believed (0: never); then the landmarks say how "
+             "fast the robot "
              "moves.");
   visit.real("patience", patience, {0.1, 3600.0}, "s",
              "After so long in which what the floor says was refused again and again, what is seen is mapped anew.");
@@ -200,7 +203,8 @@ void FilterOptions::describe(OptionVisitor& visit) {
                {{"inverse_depth", InitialisationKind::kInverseDepth},
                 {"well_conditioned_pair", InitialisationKind::kWellConditionedPair}},
                "How a landmark enters: by inverse depth at first sight, or as a point once two sights of it fix its "
-               "place. Without odometry the first landmarks always enter by inverse depth.");
+               "place. Without odometry and without a floor that tells metres the first landmarks always enter by "
+               "inverse depth.");
   visit.real("max_divergence", max_divergence, {0.0001, 10.0}, "",
              "A pair of sights is well-conditioned when the Kullback-Leibler divergence of the landmark's distribution "
              "from a Gaussian is below this.");
@@ -212,9 +216,10 @@ void FilterOptions::describe(OptionVisitor& visit) {
       "iterations", iterations, {1, 10}, "",
       "Linearisations in an update (iterated Kalman filter). More than one make the filter overconfident: the "
       "Jacobians then know the noise of the measurements.");
-  visit.integer("min_known_depths", min_known_depths, {1, 1000}, "",
-                "Without wheel odometry, parallax of unknown depths teaches the motion, too, in images with fewer "
-                "landmarks of known depth; with it, new landmarks start with initial_inverse_depth there.");
+  visit.integer(
+      "min_known_depths", min_known_depths, {1, 1000}, "",
+      "Without wheel odometry and floor, parallax of unknown depths teaches the motion, too, in images with fewer "
+      "landmarks of known depth; with it, new landmarks start with initial_inverse_depth there.");
 }
 
 void MapOptions::describe(OptionVisitor& visit) {

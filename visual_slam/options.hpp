@@ -48,7 +48,7 @@ struct FloorSpeedOptions {
   bool enabled = true;
   double max_speed = 1.25;   ///< [m/s]
   double way_sigma = 0.003;  ///< [m]
-  int least_patches = 8;
+  int least_patches = 14;
   double scale_drift = 0.02;  ///< [1 / sqrt(s)]
   double memory = 10.0;       ///< [s]
   double patience = 3.0;      ///< [s]

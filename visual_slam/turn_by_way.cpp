@@ -112,11 +112,21 @@ TurnByWay::TurnByWay(const Camera& camera, std::span<const FollowedFeature> feat
   for (double& one : likelihoods_) one -= best;
 }
 
-double TurnByWay::between(const std::vector<double>& values, double way) const {
-  const double place = std::clamp((way - least_) / step_, 0.0, static_cast<double>(values.size() - 1));
-  const auto i = std::min(static_cast<std::size_t>(place), values.size() - 2);
-  const double part = place - static_cast<double>(i);
-  return (1.0 - part) * values[i] + part * values[i + 1];
+TurnByWay::Place TurnByWay::place(double way) const {
+  const double at = std::clamp((way - least_) / step_, 0.0, static_cast<double>(turns_.size() - 1));
+  const auto i = std::min(static_cast<std::size_t>(at), turns_.size() - 2);
+  return {i, at - static_cast<double>(i)};
+}
+
+double TurnByWay::operator()(double way) const {
+  const auto [i, part] = place(way);
+  return (1.0 - part) * turns_[i] + part * turns_[i + 1];
+}
+
+double TurnByWay::log_likelihood(double way) const {
+  if (likelihoods_.empty()) return 0.0;
+  const std::size_t i = place(way).i;
+  return std::max(likelihoods_[i], likelihoods_[i + 1]);
 }
 
 }  // namespace slamfuse::visual_slam

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -37,13 +38,19 @@ class TurnByWay {
             double most, double otherwise);
 
   /// The turn for a way; beyond those asked for it is that of the last.
-  double operator()(double way) const { return between(turns_, way); }
-  /// How well the features lie on their lines if the robot has driven this way, as a logarithm against the way at which
-  /// they do best; 0 when the turn does not depend on the way. Only turns tell one way from the other.
-  double log_likelihood(double way) const { return likelihoods_.empty() ? 0.0 : between(likelihoods_, way); }
+  double operator()(double way) const;
+  /// How well the features lie on their lines if the robot has driven about this way, as a logarithm against the way at
+  /// which they do best: that of the better of the two ways next to it, since a top may be narrower than their
+  /// distance. 0 when the turn does not depend on the way. Only turns tell one way from the other.
+  double log_likelihood(double way) const;
 
  private:
-  double between(const std::vector<double>& values, double way) const;
+  /// A way among those asked for: between the one of number i and the next.
+  struct Place {
+    std::size_t i = 0;
+    double part = 0.0;
+  };
+  Place place(double way) const;
 
   double least_ = 0.0;
   double step_ = 1.0;

@@ -73,7 +73,7 @@ class VisualSlam::Implementation {
         search_(options, seed),
         judge_(options),
         observations_(options.map),
-        filter_(options_.filter, options_.motion),
+        filter_(new_filter()),
         path_(most_kept),
         reckoning_(options) {}
 
@@ -100,6 +100,7 @@ class VisualSlam::Implementation {
     if (const auto* set = std::get_if<common::SetPose>(&command)) set_pose(*set);
     if (std::holds_alternative<common::Reset>(command)) {
       continued_map_.clear();
+      unit_is_given_ = localising_;
       reset();
     }
     if (std::holds_alternative<common::Relocalise>(command)) relocalise();
@@ -110,8 +111,13 @@ class VisualSlam::Implementation {
 
   void load(const std::vector<common::Landmark>& map, MapUse use) {
     localising_ = false;
+    unit_is_given_ = true;
     clocks_.forget_kept();
-    if (newest_ || epoch_ > 0) reset();
+    if (newest_ || epoch_ > 0) {
+      reset();
+    } else {
+      filter_ = new_filter();
+    }
     take_map(map, use);
     continued_map_ = use == MapUse::kContinue && reckoning_.by_wheels() ? map : std::vector<common::Landmark>();
   }
@@ -134,9 +140,20 @@ class VisualSlam::Implementation {
     // Several cameras see more parallax and have less need of it; with it they were no better (README).
     const bool needs_floor = cameras == 1 && options.motion.model == MotionModelKind::kConstantVelocity;
     options.floor_speed.enabled = options.floor_speed.enabled && needs_floor;
-    // The floor tells metres, so the lever arm is known in the map's unit.
-    if (options.floor_speed.enabled) options.motion.constant_velocity.lever_scale_sigma = 0.0;
     return options;
+  }
+
+  /// Whether the floor may choose the map's unit: not where a loaded map has.
+  bool reads_floor() const {
+    const auto sees_floor = [](const CameraTracks& seeing) { return FloorSpeed::may_see_floor(seeing.camera); };
+    return options_.floor_speed.enabled && !unit_is_given_ && std::any_of(cameras_.begin(), cameras_.end(), sees_floor);
+  }
+
+  /// A filter that knows nothing. If the floor tells metres, the lever arm is known in the map's unit.
+  Ekf new_filter() const {
+    MotionOptions motion = options_.motion;
+    if (reads_floor()) motion.constant_velocity.lever_scale_sigma = 0.0;
+    return {options_.filter, motion};
   }
 
   static std::vector<CameraTracks> tracks_of(const std::map<std::string, common::CameraCalibration>& cameras) {
@@ -244,7 +261,7 @@ class VisualSlam::Implementation {
     std::vector<common::Event> events;
     ImageEvidence evidence;
     if (seeing.is_frozen(image, reckoning_.pose())) {
-      if (floor_.is_enabled()) floor_.skip(filter_, seconds);
+      if (reads_floor()) floor_.skip(filter_, seconds);
       judge(evidence, events);
       return {.estimate = estimate({}, {}, std::move(events)), .rejected = {}};
     }
@@ -252,7 +269,7 @@ class VisualSlam::Implementation {
     std::vector<Track> seen = exposed ? follow(seeing, picture, evidence) : std::vector<Track>{};
     UpdateReport report;
     bool contradicted = false;
-    if (floor_.is_enabled()) contradicted = read_floor(seeing, exposed ? picture : cv::Mat(), seconds, seen, report);
+    if (reads_floor()) contradicted = read_floor(seeing, exposed ? picture : cv::Mat(), seconds, seen, report);
     if (!reckoning_.by_wheels()) report = update(seeing, seen, report);
     const std::size_t followed = seen.size();
     if (exposed && !search_.pose_is_doubted()) recognise(seeing, picture, seen);
@@ -270,7 +287,7 @@ class VisualSlam::Implementation {
       search_map(seeing, picture);
       close_loop(seeing, picture, events);
     }
-    if (contradicted && !localising_) {
+    if (contradicted && !seeing.tracks.empty()) {
       drop(numbers_in_order(seeing.tracks));
       events.push_back(event("scale_contradicted",
                              "the floor says another speed than what is mapped here, which is "
@@ -563,7 +580,7 @@ class VisualSlam::Implementation {
   void reset() {
     const std::vector<common::Landmark> map = localising_ ? landmarks() : std::vector<common::Landmark>();
     path_.freeze(filter_);
-    filter_ = Ekf(options_.filter, options_.motion);
+    filter_ = new_filter();
     book_.clear();
     observations_.clear();
     search_.clear();
@@ -583,7 +600,8 @@ class VisualSlam::Implementation {
   FloorReckoning floor_;
   LandmarkBook book_;
   MapSearch search_;
-  bool localising_ = false;  // in a saved map, which stays as it is
+  bool localising_ = false;     // in a saved map, which stays as it is
+  bool unit_is_given_ = false;  // by a loaded map
   EstimateJudge judge_;
   ObservationLog observations_;
   ImageSampler sampler_;

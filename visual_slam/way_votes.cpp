@@ -17,8 +17,7 @@ constexpr double kAnything = 1.0 - kFloor - kAbove;
 // ones.
 constexpr double kIndependent = 0.2;
 
-constexpr double kStep = 0.004;  // between ways that are tried [m]
-constexpr int kMostSteps = 120;
+constexpr double kStep = 0.002;  // between ways that are tried [m]
 constexpr double kSame = 0.012;  // ways no farther apart are one [m]
 constexpr double kSure = 0.99;
 constexpr int kRounds = 5;  // in which the way is made exact
@@ -30,7 +29,7 @@ double floor_density(const WayVote& vote, double way) {
 
 double density(const WayVote& vote, double way, double width) {
   // Something at height z under a camera at height h seems to move by s = w h / (h - z). With w / s spread evenly, the
-  // density of s is w / s^2, cut off at the end of the range.
+  // density of s is w / s^2; what would be beyond the range is left out, about.
   const double share = way / vote.way;
   const double above =
       share > 0.0 && share < 1.0 ? std::abs(share / vote.way) / std::max(0.1, 1.0 - std::abs(way) / width) : 0.0;
@@ -53,7 +52,7 @@ double mean_of_floor(std::span<const WayVote> votes, double way, double width) {
 
 std::optional<double> likeliest_way(std::span<const WayVote> votes, const WayRange& range) {
   const double width = range.most - range.least;
-  const int steps = std::clamp(static_cast<int>(width / kStep), 8, kMostSteps);
+  const int steps = std::max(8, static_cast<int>(std::ceil(width / kStep)));
   const double step = width / steps;
   std::vector<double> logarithms;
   for (int i = 0; i <= steps; ++i) {
