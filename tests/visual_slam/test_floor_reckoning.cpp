@@ -118,35 +118,36 @@ TEST(FloorReckoning, AFilterThatKnowsBetterRefuses) {
   EXPECT_FALSE(drive.tells_metres());
 }
 
+// Six readings a fifth of a second apart, with a patience of 1 s.
+const std::vector kContradictedInTheEnd{Verdict::kSilent,  Verdict::kRefused, Verdict::kRefused,     Verdict::kRefused,
+                                        Verdict::kRefused, Verdict::kRefused, Verdict::kContradicted};
+
 TEST(FloorReckoning, AfterSteadyRefusalsTheFloorIsBelieved) {
   FloorSpeedOptions options;
-  options.patience = 0.5;
+  options.patience = 1.0;
   Drive drive(options);
   drive.certain_speed = 0.1;
-  EXPECT_EQ(look(drive, 5), (std::vector{Verdict::kSilent, Verdict::kRefused, Verdict::kRefused, Verdict::kRefused,
-                                         Verdict::kContradicted}));
+  EXPECT_EQ(look(drive, 7), kContradictedInTheEnd);
   EXPECT_NEAR(drive.speed(), kSpeed, 0.03);
   EXPECT_TRUE(drive.tells_metres());
 }
 
 TEST(FloorReckoning, RefusalsWithALongGapBetweenDoNotAddUp) {
   FloorSpeedOptions options;
-  options.patience = 0.5;
+  options.patience = 1.0;
   Drive drive(options);
   drive.certain_speed = 0.1;
   EXPECT_EQ(look(drive, 3).back(), Verdict::kRefused);
   for (int i = 0; i < 4; ++i) EXPECT_EQ(drive.look_into_the_dark(), Verdict::kSilent);
-  EXPECT_EQ(look(drive, 5), (std::vector{Verdict::kSilent, Verdict::kRefused, Verdict::kRefused, Verdict::kRefused,
-                                         Verdict::kContradicted}))
-      << "patience begins anew";
+  EXPECT_EQ(look(drive, 7), kContradictedInTheEnd) << "patience begins anew";
 }
 
 TEST(FloorReckoning, RefusalsDoNotAddUpOverAReadingThatWasBelieved) {
   FloorSpeedOptions options;
-  options.patience = 0.5;
+  options.patience = 1.0;
   Drive drive(options);
   drive.certain_speed = 0.1;
-  EXPECT_EQ(look(drive, 3).back(), Verdict::kRefused);
+  EXPECT_EQ(look(drive, 6).back(), Verdict::kRefused);
   drive.certain_speed.reset();
   drive.filter.doubt_speed(1.0);
   EXPECT_EQ(drive.look(), Verdict::kBelieved);
