@@ -20,7 +20,8 @@ constexpr double kIndependent = 0.2;
 constexpr double kStep = 0.002;  // between ways that are tried [m]
 constexpr double kSame = 0.012;  // ways no farther apart are one [m]
 constexpr double kSure = 0.99;
-constexpr int kRounds = 5;  // in which the way is made exact
+constexpr double kEnd = 0.004;  // a way so near the end of the range may lie beyond [m]
+constexpr int kRounds = 5;      // in which the way is made exact
 
 double floor_density(const WayVote& vote, double way) {
   const double off = (vote.way - way) / vote.sigma;
@@ -62,7 +63,7 @@ std::optional<double> likeliest_way(std::span<const WayVote> votes, const WayRan
   }
   const auto top = std::max_element(logarithms.begin(), logarithms.end());
   const auto best = static_cast<int>(top - logarithms.begin());
-  if (best < 1 || best >= steps) return std::nullopt;
+  if (std::min(best, steps - best) * step < kEnd) return std::nullopt;
   double all = 0.0;
   double here = 0.0;
   for (int i = 0; i <= steps; ++i) {
