@@ -22,7 +22,7 @@ struct KeyframeObservation {
 struct Keyframe {
   std::string camera;     ///< sensor name
   Nanoseconds stamp = 0;  ///< of the image
-  Pose3 T_map_camera;     ///< optical frame in the visual map [m, or the map's own unit without odometry]
+  Pose3 T_map_camera;     ///< optical frame in the visual map [m, or the map's own unit where nothing tells metres]
   std::vector<KeyframeObservation> observations;
 };
 

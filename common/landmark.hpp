@@ -21,7 +21,7 @@ struct LandmarkView {
 struct Landmark {
   std::int64_t id = 0;
   Eigen::Vector3d position =
-      Eigen::Vector3d::Zero();  ///< in the visual map frame [m, or its own unit without odometry]
+      Eigen::Vector3d::Zero();  ///< in the visual map frame [m, or the map's own unit where nothing tells metres]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the position
   std::uint8_t gray = 0;                                 ///< brightness where it was first seen
   int observations = 0;                                  ///< accepted measurements so far

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kPixelCentre = 0.5;  // of the first pixel, in COLMAP's coordinates
 constexpr const char* kFrame =
-    "# slamfuse visual map, frame visual_map: z up, in metres (without wheel odometry in the map's own unit)\n";
+    "# slamfuse visual map, frame visual_map: z up, in metres (where neither wheel odometry nor the floor tells any, "
+    "in the map's own unit)\n";
 
 /// What is known of a point while its keyframes are gone through.
 struct Point {

@@ -65,7 +65,7 @@ void MotionOptions::describe(OptionVisitor& visit) {
       "What says how the robot moves between images: the wheel odometry; constant speed and turn rate in the plane; or "
       "constant velocity and turn rate in space, for hand-held cameras and robots that pitch and roll. Without "
       "odometry "
-      "the map has a scale of its own.");
+      "the map has a scale of its own, unless one camera reads its speed from the floor (floor_speed).");
   visit.real("distance_noise", distance_noise, {0.0, 1.0}, "m/sqrt(m)",
              "Random error of the wheel odometry along the way, growing with the square root of the distance.");
   visit.real("lateral_noise", lateral_noise, {0.0, 1.0}, "m/sqrt(m)", "The same across the way.");

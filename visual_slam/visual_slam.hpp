@@ -25,7 +25,8 @@ enum class MapUse {
 };
 
 /// Monocular and multi-camera EKF SLAM (seeds 000 to 002): wheel odometry, or without it a constant velocity (then the
-/// map has a scale of its own, see ConstantVelocity and FreeCamera), predicts the pose of base_link, planar but for a
+/// map has a scale of its own unless one camera reads metres from the floor, see FloorReckoning, ConstantVelocity and
+/// FreeCamera), predicts the pose of base_link, planar but for a
 /// free camera, the features of any number of cameras, each with its own stamps, rate, mounting and lens, correct it
 /// and the landmarks.
 ///
