@@ -54,6 +54,7 @@ FloorReckoning::Verdict FloorReckoning::read(Ekf& filter, const FloorView& view)
   turn_rate_ = view.seconds > 0.0 ? turned(speed * view.seconds) / view.seconds : 0.0;
   speed_.moved(view.seconds, speed, turned);
   skipped_ = false;
+  if (!begun_) begun_ = view.stamp;
   if (view.picture.empty()) return Verdict::kSilent;
   // A map that is too small lifts the floor itself, so it must be in metres.
   const auto standing = tells_metres(view.stamp) ? standing_points(filter, view) : std::vector<Eigen::Vector3d>();
@@ -74,13 +75,14 @@ FloorReckoning::Verdict FloorReckoning::judge(Ekf& filter, const FloorSpeed::Rea
     return Verdict::kBelieved;
   }
   const common::Nanoseconds patience = common::from_seconds(options_.patience);
+  const bool guessed = !believed_ && stamp - *begun_ < patience;
   if (!refusing_since_ || stamp - *refused_ > patience) {
     refusing_since_ = stamp;
     refusals_ = 0;
   }
   refused_ = stamp;
   ++refusals_;
-  if (stamp - *refusing_since_ < patience || refusals_ < kFewestRefusals) return Verdict::kRefused;
+  if (!guessed && (stamp - *refusing_since_ < patience || refusals_ < kFewestRefusals)) return Verdict::kRefused;
   refusing_since_.reset();
   filter.doubt_speed(kDoubt);
   if (!filter.correct_speed(reading.speed, sigma)) return Verdict::kRefused;

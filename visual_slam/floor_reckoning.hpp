@@ -43,7 +43,8 @@ class FloorReckoning {
     kSilent,       ///< the floor told nothing
     kBelieved,     ///< the filter was corrected
     kRefused,      ///< the filter knows better
-    kContradicted  ///< the filter has known better for too long: corrected, and what is seen should be mapped anew
+    kContradicted  ///< the filter was wrong: corrected, and what is seen should be mapped anew. It has known better for
+                   ///< too long, or has only begun, and the first landmarks' depths are a guess nobody has checked
   };
 
   FloorReckoning(const FloorSpeedOptions& options, std::size_t cameras) : options_(options), speed_(options, cameras) {}
@@ -64,6 +65,7 @@ class FloorReckoning {
   FloorSpeedOptions options_;
   FloorSpeed speed_;
   double turn_rate_ = 0.0;                             // of the last step [rad/s]
+  std::optional<common::Nanoseconds> begun_;           // to look at pictures
   std::optional<common::Nanoseconds> believed_;        // last
   std::optional<common::Nanoseconds> refused_;         // last ...
   std::optional<common::Nanoseconds> refusing_since_;  // ... and first of those in a row
