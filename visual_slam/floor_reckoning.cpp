@@ -13,7 +13,8 @@ constexpr double kStandingHeight = 0.25;
 
 // How wrong the speed of a filter may be that the floor contradicts [m/s].
 constexpr double kDoubt = 0.3;
-constexpr int kFewestRefusals = 6;  // within floor_speed.patience, that contradict a map
+constexpr int kFewestRefusals = 6;  // within floor_speed.patience, that contradict a map ...
+constexpr int kFewestOfAGuess = 2;  // ... or one that has only begun
 
 /// Where those landmarks are, in base_link, that are known to be above the floor.
 std::vector<Eigen::Vector3d> standing_points(const Ekf& filter, const FloorView& view) {
@@ -54,8 +55,8 @@ FloorReckoning::Verdict FloorReckoning::read(Ekf& filter, const FloorView& view)
   turn_rate_ = view.seconds > 0.0 ? turned(speed * view.seconds) / view.seconds : 0.0;
   speed_.moved(view.seconds, speed, turned);
   skipped_ = false;
-  if (!begun_) begun_ = view.stamp;
   if (view.picture.empty()) return Verdict::kSilent;
+  if (!begun_) begun_ = view.stamp;
   // A map that is too small lifts the floor itself, so it must be in metres.
   const auto standing = tells_metres(view.stamp) ? standing_points(filter, view) : std::vector<Eigen::Vector3d>();
   const auto reading = speed_.read(view.camera_index, view.camera, view.picture, view.stamp, standing);
@@ -75,19 +76,20 @@ FloorReckoning::Verdict FloorReckoning::judge(Ekf& filter, const FloorSpeed::Rea
     return Verdict::kBelieved;
   }
   const common::Nanoseconds patience = common::from_seconds(options_.patience);
-  const bool guessed = !believed_ && stamp - *begun_ < patience;
   if (!refusing_since_ || stamp - *refused_ > patience) {
     refusing_since_ = stamp;
     refusals_ = 0;
   }
   refused_ = stamp;
   ++refusals_;
-  if (!guessed && (stamp - *refusing_since_ < patience || refusals_ < kFewestRefusals)) return Verdict::kRefused;
+  const bool guessed = !believed_ && stamp - *begun_ < patience && refusals_ >= kFewestOfAGuess;
+  const bool steady = stamp - *refusing_since_ >= patience && refusals_ >= kFewestRefusals;
+  if (!guessed && !steady) return Verdict::kRefused;
   refusing_since_.reset();
   filter.doubt_speed(kDoubt);
   if (!filter.correct_speed(reading.speed, sigma)) return Verdict::kRefused;
   believed_ = stamp;
-  return Verdict::kContradicted;
+  return guessed ? Verdict::kWrongGuess : Verdict::kContradicted;
 }
 
 void FloorReckoning::skip(const Ekf& filter, double seconds) {

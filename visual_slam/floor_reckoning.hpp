@@ -40,11 +40,11 @@ struct FloorView {
 class FloorReckoning {
  public:
   enum class Verdict {
-    kSilent,       ///< the floor told nothing
-    kBelieved,     ///< the filter was corrected
-    kRefused,      ///< the filter knows better
-    kContradicted  ///< the filter was wrong: corrected, and what is seen should be mapped anew. It has known better for
-                   ///< too long, or has only begun, and the first landmarks' depths are a guess nobody has checked
+    kSilent,        ///< the floor told nothing
+    kBelieved,      ///< the filter was corrected
+    kRefused,       ///< the filter knows better
+    kContradicted,  ///< the filter has known better for too long: corrected, and what is seen should be mapped anew
+    kWrongGuess  ///< the map has only begun, its depths and so its unit a guess: corrected, all should be mapped anew
   };
 
   FloorReckoning(const FloorSpeedOptions& options, std::size_t cameras) : options_(options), speed_(options, cameras) {}
@@ -65,7 +65,7 @@ class FloorReckoning {
   FloorSpeedOptions options_;
   FloorSpeed speed_;
   double turn_rate_ = 0.0;                             // of the last step [rad/s]
-  std::optional<common::Nanoseconds> begun_;           // to look at pictures
+  std::optional<common::Nanoseconds> begun_;           // to see something
   std::optional<common::Nanoseconds> believed_;        // last
   std::optional<common::Nanoseconds> refused_;         // last ...
   std::optional<common::Nanoseconds> refusing_since_;  // ... and first of those in a row

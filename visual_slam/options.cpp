@@ -52,10 +52,10 @@ void FloorSpeedOptions::describe(OptionVisitor& visit) {
              "The map is in metres for so long after the floor was believed (0: never); then the landmarks say how "
              "fast the robot "
              "moves.");
-  visit.real("patience", patience, {0.1, 3600.0}, "s",
-             "After so long in which what the floor says was refused again and again, what is seen is mapped anew. In "
-             "the first "
-             "so many seconds of a map that it has told nothing yet, at once: what is taken for a metre is a guess.");
+  visit.real(
+      "patience", patience, {0.1, 3600.0}, "s",
+      "After so long in which what the floor says was refused again and again, what is seen is mapped anew. In "
+      "the first so many seconds of a map that it has told nothing yet, after the second time: its unit is a guess.");
 }
 
 void MotionOptions::describe(OptionVisitor& visit) {

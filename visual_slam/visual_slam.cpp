@@ -268,8 +268,8 @@ class VisualSlam::Implementation {
     const bool exposed = is_exposed(picture);
     std::vector<Track> seen = exposed ? follow(seeing, picture, evidence) : std::vector<Track>{};
     UpdateReport report;
-    bool contradicted = false;
-    if (reads_floor()) contradicted = read_floor(seeing, exposed ? picture : cv::Mat(), seconds, seen, report);
+    auto floor = FloorReckoning::Verdict::kSilent;
+    if (reads_floor()) floor = read_floor(seeing, exposed ? picture : cv::Mat(), seconds, seen, report);
     if (!reckoning_.by_wheels()) report = update(seeing, seen, report);
     const std::size_t followed = seen.size();
     if (exposed && !search_.pose_is_doubted()) recognise(seeing, picture, seen);
@@ -287,12 +287,7 @@ class VisualSlam::Implementation {
       search_map(seeing, picture);
       close_loop(seeing, picture, events);
     }
-    if (contradicted && !seeing.tracks.empty()) {
-      drop(numbers_in_order(seeing.tracks));
-      events.push_back(event("scale_contradicted",
-                             "the floor says another speed than what is mapped here, which is "
-                             "mapped anew"));
-    }
+    map_anew(floor, seeing, events);
     const std::size_t known = seeing.tracks.size();
     if (exposed && !localising_ && judge_.map_may_grow()) add_features(seeing, picture);
     remember(seeing, image, seen, report, followed, known);
@@ -301,9 +296,9 @@ class VisualSlam::Implementation {
   }
 
   /// Corrects the speed by the floor: after the landmarks of known depth, which come first in `seen` then, and before
-  /// those that learn theirs by it. Returns whether the floor contradicts what is mapped here.
-  bool read_floor(const CameraTracks& seeing, const cv::Mat& picture, double seconds, std::vector<Track>& seen,
-                  UpdateReport& report) {
+  /// those that learn theirs by it.
+  FloorReckoning::Verdict read_floor(const CameraTracks& seeing, const cv::Mat& picture, double seconds,
+                                     std::vector<Track>& seen, UpdateReport& report) {
     const bool metric = floor_.tells_metres(*newest_);
     filter_.set_metres_are_told(metric);
     if (metric) floor_.age(filter_, numbers_in_order(seen), seconds);
@@ -324,7 +319,22 @@ class VisualSlam::Implementation {
                                                .followed = followed});
     filter_.set_metres_are_told(floor_.tells_metres(*newest_));
     reckoning_.corrected(filter_);
-    return verdict == FloorReckoning::Verdict::kContradicted;
+    return verdict;
+  }
+
+  /// Drops what the floor contradicts: what is seen, or all of a map whose unit was a wrong guess.
+  void map_anew(FloorReckoning::Verdict floor, const CameraTracks& seeing, std::vector<common::Event>& events) {
+    const bool all = floor == FloorReckoning::Verdict::kWrongGuess;
+    if (!all && floor != FloorReckoning::Verdict::kContradicted) return;
+    std::set<LandmarkId> wrong;
+    for (const Track& track : seeing.tracks) wrong.insert(track.landmark);
+    if (all) {
+      for (const LandmarkId id : book_.known(filter_)) wrong.insert(id);
+    }
+    if (wrong.empty()) return;
+    drop({wrong.begin(), wrong.end()});
+    events.push_back(
+        event("scale_contradicted", "the floor says another speed than what is mapped here, which is mapped anew"));
   }
 
   /// The features of the camera's previous picture that are found again in this one.

@@ -21,7 +21,7 @@ struct WayRange {
 
 /// The way [m] at which all that patches say is likeliest. A patch shows the floor, or something above it, which seems
 /// to move as if the way were longer, the more so the nearer it is, or says anything. Empty when other ways, more than
-/// 12 mm off or at the end of the range, are not unlikely together (1 %). Not in the seeds.
+/// 12 mm off or within 4 mm of the end of the range, are not unlikely together (1 %). Not in the seeds.
 std::optional<double> likeliest_way(std::span<const WayVote> votes, const WayRange& range);
 
 }  // namespace slamfuse::visual_slam

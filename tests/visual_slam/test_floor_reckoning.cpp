@@ -34,6 +34,10 @@ class Drive {
 
   /// On to the next image, and what the floor in it says.
   Verdict look() { return read(scene_.picture(camera_, next())); }
+  Verdict look_at_bare_floor() {
+    next();
+    return read(cv::Mat(480, 640, CV_8U, cv::Scalar(128)));
+  }
   Verdict look_into_the_dark() {
     next();
     return read({});
@@ -130,9 +134,18 @@ TEST(FloorReckoning, AFilterThatKnowsBetterRefuses) {
 TEST(FloorReckoning, AtTheBeginningTheMapsUnitIsAGuess) {
   Drive drive;
   drive.certain_speed = 0.1;
-  EXPECT_EQ(look(drive, 2), (std::vector{Verdict::kSilent, Verdict::kContradicted}));
+  EXPECT_EQ(look(drive, 3), (std::vector{Verdict::kSilent, Verdict::kRefused, Verdict::kWrongGuess}));
   EXPECT_NEAR(drive.speed(), kSpeed, 0.03);
   EXPECT_TRUE(drive.tells_metres());
+}
+
+TEST(FloorReckoning, NothingBeginsInTheDark) {
+  FloorSpeedOptions options;
+  options.patience = 1.0;
+  Drive drive(options);
+  drive.certain_speed = 0.1;
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(drive.look_into_the_dark(), Verdict::kSilent);
+  EXPECT_EQ(look(drive, 3).back(), Verdict::kWrongGuess);
 }
 
 TEST(FloorReckoning, AMapThatHasGrownWithoutMetresIsNotGivenUpAtOnce) {
@@ -140,7 +153,7 @@ TEST(FloorReckoning, AMapThatHasGrownWithoutMetresIsNotGivenUpAtOnce) {
   options.patience = 1.0;
   Drive drive(options);
   drive.certain_speed = 0.1;
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(drive.look_into_the_dark(), Verdict::kSilent);
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(drive.look_at_bare_floor(), Verdict::kSilent);
   EXPECT_EQ(look(drive, 3), (std::vector{Verdict::kSilent, Verdict::kRefused, Verdict::kRefused}));
   EXPECT_FALSE(drive.tells_metres());
 }
