@@ -62,7 +62,7 @@ FloorReckoning::Verdict FloorReckoning::read(Ekf& filter, const FloorView& view)
   const auto reading = speed_.read(view.camera_index, view.camera, view.picture, view.stamp, standing);
   if (!reading) return Verdict::kSilent;
   const double way = reading->speed * view.seconds;
-  const double turned_since = turned(way) * reading->seconds / view.seconds;  // the picture it was compared with
+  const double turned_since = turned(way) * reading->seconds / view.seconds;  // the picture compared with, about
   if (std::abs(turned_since) > kSharpTurn && turned.log_likelihood(way) < kLeastLikelihood) return Verdict::kSilent;
   return judge(filter, *reading, view.stamp);
 }

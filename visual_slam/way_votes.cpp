@@ -63,7 +63,7 @@ std::optional<double> likeliest_way(std::span<const WayVote> votes, const WayRan
   }
   const auto top = std::max_element(logarithms.begin(), logarithms.end());
   const auto best = static_cast<int>(top - logarithms.begin());
-  const double end = std::min(kEnd, 0.1 * (range.most - range.least));
+  const double end = std::min(kEnd, 0.1 * width);
   if (std::min(best, steps - best) * step < end) return std::nullopt;
   double all = 0.0;
   double here = 0.0;

@@ -115,10 +115,10 @@ TEST(PoseSearch, FindsWhatTryingEveryPoseFinds) {
     const auto points = beams_from(truth);
     Pose2 best;
     double most = -HUGE_VAL;
-    for (double x = -3.0; x < 5.0; x += 0.15) {
-      for (double y = -2.0; y < 4.0; y += 0.15) {
+    for (double x = -3.0; x < 5.0; x += 0.1) {
+      for (double y = -2.0; y < 4.0; y += 0.1) {
         if (!LikelihoodField::is_free(field.code_at({x, y}))) continue;
-        for (double theta = -M_PI; theta < M_PI; theta += 0.15) {
+        for (double theta = -M_PI; theta < M_PI; theta += 0.1) {
           const double likelihood = model.traced_log_likelihood(points, {0.0, 0.0}, {x, y, theta});
           if (likelihood <= most) continue;
           most = likelihood;

@@ -99,6 +99,12 @@ std::vector<Verdict> look(Drive& drive, int images) {
   return verdicts;
 }
 
+FloorSpeedOptions with_patience_of_a_second() {
+  FloorSpeedOptions options;
+  options.patience = 1.0;
+  return options;
+}
+
 TEST(FloorReckoning, TheFirstPictureSaysNothing) {
   Drive drive;
   EXPECT_FALSE(drive.tells_metres());
@@ -140,18 +146,14 @@ TEST(FloorReckoning, AtTheBeginningTheMapsUnitIsAGuess) {
 }
 
 TEST(FloorReckoning, NothingBeginsInTheDark) {
-  FloorSpeedOptions options;
-  options.patience = 1.0;
-  Drive drive(options);
+  Drive drive(with_patience_of_a_second());
   drive.certain_speed = 0.1;
   for (int i = 0; i < 6; ++i) EXPECT_EQ(drive.look_into_the_dark(), Verdict::kSilent);
   EXPECT_EQ(look(drive, 3).back(), Verdict::kWrongGuess);
 }
 
 TEST(FloorReckoning, AMapThatHasGrownWithoutMetresIsNotGivenUpAtOnce) {
-  FloorSpeedOptions options;
-  options.patience = 1.0;
-  Drive drive(options);
+  Drive drive(with_patience_of_a_second());
   drive.certain_speed = 0.1;
   for (int i = 0; i < 6; ++i) EXPECT_EQ(drive.look_at_bare_floor(), Verdict::kSilent);
   EXPECT_EQ(look(drive, 3), (std::vector{Verdict::kSilent, Verdict::kRefused, Verdict::kRefused}));
@@ -163,9 +165,7 @@ const std::vector kContradictedInTheEnd{Verdict::kRefused, Verdict::kRefused, Ve
                                         Verdict::kRefused, Verdict::kRefused, Verdict::kContradicted};
 
 TEST(FloorReckoning, AfterSteadyRefusalsTheFloorIsBelieved) {
-  FloorSpeedOptions options;
-  options.patience = 1.0;
-  Drive drive(options);
+  Drive drive(with_patience_of_a_second());
   drive.begin(0.1);
   EXPECT_EQ(look(drive, 6), kContradictedInTheEnd);
   EXPECT_NEAR(drive.speed(), kSpeed, 0.03);
@@ -173,9 +173,7 @@ TEST(FloorReckoning, AfterSteadyRefusalsTheFloorIsBelieved) {
 }
 
 TEST(FloorReckoning, RefusalsWithALongGapBetweenDoNotAddUp) {
-  FloorSpeedOptions options;
-  options.patience = 1.0;
-  Drive drive(options);
+  Drive drive(with_patience_of_a_second());
   drive.begin(0.1);
   EXPECT_EQ(look(drive, 3).back(), Verdict::kRefused);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(drive.look_into_the_dark(), Verdict::kSilent);
@@ -184,9 +182,7 @@ TEST(FloorReckoning, RefusalsWithALongGapBetweenDoNotAddUp) {
 }
 
 TEST(FloorReckoning, RefusalsDoNotAddUpOverAReadingThatWasBelieved) {
-  FloorSpeedOptions options;
-  options.patience = 1.0;
-  Drive drive(options);
+  Drive drive(with_patience_of_a_second());
   drive.begin(0.1);
   EXPECT_EQ(look(drive, 5).back(), Verdict::kRefused);
   drive.certain_speed.reset();
